@@ -1,0 +1,98 @@
+//! `surfometry measure`.
+
+use super::{ALL_DONE, SOME_FAILED};
+use crate::inputs::expand;
+use crate::options::MeasureOptions;
+use crate::output::{csv_text, deliver, json_text, table_text};
+use anyhow::Result;
+use clap::ValueEnum;
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use std::io::IsTerminal;
+use std::path::PathBuf;
+use surfometry::runs::{Failure, Output, Record, measure_input};
+
+/// Measure the objects of label images
+///
+/// INPUT is a file (NIfTI, MetaImage, NRRD, NumPy), a pattern, or a built-in shape with known truth:
+/// phantom:NAME?key=value&... with NAME ball, ellipsoid, capsule, torus, rounded-box, shell, two-balls, genus, gyroid
+/// or schwarz-p and keys radius, radii, major, minor, length, inner, genus, period, size, spacing, rotate, shift.
+///
+/// Exit status: 0 all measured, 1 some inputs failed (they are listed, the others are measured), 2 the command was
+/// wrong.
+#[derive(Debug, clap::Args)]
+pub(crate) struct Args {
+    /// Files, patterns or phantoms
+    #[arg(required = true, value_name = "INPUT")]
+    inputs: Vec<String>,
+    #[command(flatten)]
+    options: MeasureOptions,
+    /// Form of the results
+    #[arg(long, value_enum, default_value = "table")]
+    format: OutputFormat,
+    /// File to write instead of stdout; written whole or not at all
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum OutputFormat {
+    Table,
+    Json,
+    Csv,
+}
+
+pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
+    let measurement = args.options.measurement()?;
+    let wanted = args.options.inputs();
+    let inputs = expand(&args.inputs);
+    let progress = progress_bar(inputs.len(), quiet);
+    let (mut results, mut failures) = (Vec::new(), Vec::new());
+    for input in &inputs {
+        progress.set_message(input.clone());
+        let outcome = measure_input(input, &measurement, &wanted, |done, total| {
+            if total > 1 {
+                progress.set_message(format!("{input}, object {} of {total}", done + 1));
+            }
+        });
+        match outcome {
+            Ok(records) => results.extend(records),
+            Err(error) => {
+                progress.suspend(|| eprintln!("surfometry: {input}: {error}"));
+                failures.push(Failure { input: input.clone(), error: error.to_string() });
+            }
+        }
+        progress.inc(1);
+    }
+    progress.finish_and_clear();
+    if !quiet && args.options.sigma_is_automatic() {
+        warn_of_mixed_sigma(&results);
+    }
+    let output = Output::new(results, failures);
+    let text = match args.format {
+        OutputFormat::Table => table_text(&output),
+        OutputFormat::Json => json_text(&output)?,
+        OutputFormat::Csv => csv_text(&output)?,
+    };
+    deliver(&text, args.output.as_deref())?;
+    Ok(if output.failures.is_empty() { ALL_DONE } else { SOME_FAILED })
+}
+
+fn progress_bar(inputs: usize, quiet: bool) -> ProgressBar {
+    let shown = !quiet && std::io::stderr().is_terminal();
+    let target = if shown { ProgressDrawTarget::stderr() } else { ProgressDrawTarget::hidden() };
+    let style = ProgressStyle::with_template("{bar:24} {pos}/{len} {wide_msg}").expect("a constant template");
+    ProgressBar::with_draw_target(Some(inputs as u64), target).with_style(style)
+}
+
+/// An automatic sigma follows the spacing; numbers of images that differ in it are then not comparable.
+fn warn_of_mixed_sigma(results: &[Record]) {
+    let sigmas = results.iter().filter_map(|r| r.measured.parameters.sigma_mm);
+    let (low, high) = sigmas.fold((f64::INFINITY, 0.0f64), |(low, high), s| (low.min(s), high.max(s)));
+    // Spacings written in f32 differ in the seventh digit.
+    if low < high * (1.0 - 1e-5) {
+        eprintln!(
+            "surfometry: the images differ in spacing, so the automatic sigma ran from {low:.4} to {high:.4} mm; use \
+             --sigma {high:.4} to make the results comparable"
+        );
+    }
+}

@@ -1,0 +1,12 @@
+//! One file a command.
+
+pub(crate) mod info;
+pub(crate) mod measure;
+pub(crate) mod phantom;
+
+/// Exit status: everything was done.
+pub(crate) const ALL_DONE: u8 = 0;
+/// Exit status: some inputs failed; they are listed.
+pub(crate) const SOME_FAILED: u8 = 1;
+/// Exit status: the command itself was wrong, or its output could not be written.
+pub(crate) const WRONG_COMMAND: u8 = 2;

@@ -1,0 +1,37 @@
+//! `surfometry phantom`.
+
+use super::ALL_DONE;
+use crate::output::deliver;
+use anyhow::{Context, Result};
+use serde_json::json;
+use std::path::{Path, PathBuf};
+use surfometry::io::write_labels;
+use surfometry::runs::open_labels;
+
+/// Write a phantom as NIfTI, and its exact integrals beside it as JSON
+#[derive(Debug, clap::Args)]
+pub(crate) struct Args {
+    /// NAME?key=value&..., as in `measure`; a leading `phantom:` may be left out
+    phantom: String,
+    /// .nii or .nii.gz to write; the truth goes to the same name with .truth.json
+    #[arg(short, long, value_name = "FILE")]
+    output: PathBuf,
+}
+
+pub(crate) fn run(args: &Args) -> Result<u8> {
+    let name = args.phantom.strip_prefix("phantom:").unwrap_or(&args.phantom);
+    let spec = format!("phantom:{name}");
+    let truth_path = truth_path(&args.output)?;
+    let source = open_labels(&spec, None).with_context(|| spec.clone())?;
+    write_labels(&args.output, &source.image).with_context(|| args.output.display().to_string())?;
+    let truth = json!({ "phantom": spec, "truth": source.truth });
+    deliver(&(serde_json::to_string_pretty(&truth)? + "\n"), Some(&truth_path))?;
+    Ok(ALL_DONE)
+}
+
+fn truth_path(image: &Path) -> Result<PathBuf> {
+    let name = image.to_string_lossy();
+    let stem = name.strip_suffix(".nii.gz").or_else(|| name.strip_suffix(".nii"));
+    let stem = stem.with_context(|| format!("{name}: a phantom is written as .nii or .nii.gz"))?;
+    Ok(PathBuf::from(format!("{stem}.truth.json")))
+}

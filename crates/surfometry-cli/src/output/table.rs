@@ -1,0 +1,157 @@
+//! Results as a table for people.
+
+use comfy_table::{CellAlignment, Table, presets};
+use std::fmt::Write;
+use surfometry::accuracy::FlagCode;
+use surfometry::runs::{Output, Record};
+
+/// A plain table with columns of numbers.
+pub(crate) struct Layout(Table);
+
+impl Layout {
+    pub(crate) fn new(columns: &[&str]) -> Self {
+        let mut table = Table::new();
+        table.load_style(presets::NOTHING).set_header(columns.to_vec());
+        Self(table)
+    }
+
+    pub(crate) fn row(&mut self, cells: Vec<String>) {
+        self.0.add_row(cells);
+    }
+
+    pub(crate) fn text(mut self) -> String {
+        self.0.column_iter_mut().for_each(|c| c.set_cell_alignment(CellAlignment::Right));
+        self.0.trim_fmt() + "\n"
+    }
+}
+
+const COLUMNS: [&str; 8] =
+    ["label", "surface", "volume mm³", "area mm²", "total H mm", "mean H 1/mm", "chi", "chi voxels"];
+
+pub(crate) fn table_text(output: &Output) -> String {
+    let by_input = output.results.chunk_by(|a, b| a.input == b.input);
+    let mut text = by_input.map(input_text).collect::<Vec<_>>().join("\n");
+    if !output.results.is_empty() {
+        text += "\nblurred: of the smoothed object; original: with the smoothing's shift undone. H > 0 on a ball; chi is \
+                 the surface's (ball 2, torus 0).\n";
+    }
+    text
+}
+
+fn input_text(records: &[Record]) -> String {
+    let mut layout = Layout::new(&COLUMNS);
+    for record in records {
+        rows(record).into_iter().for_each(|row| layout.row(row));
+    }
+    heading(&records[0]) + &layout.text() + &flags(records)
+}
+
+fn heading(record: &Record) -> String {
+    let m = &record.measured;
+    let join = |values: [String; 3]| values.join(" x ");
+    let blur = m.parameters.sigma_mm.map_or_else(String::new, |s| format!("sigma {} mm, ", digits(s)));
+    let band = m.parameters.thickness_mm.map_or_else(String::new, |t| format!("t {} mm, ", digits(t)));
+    format!(
+        "{}\n  {} voxels of {} mm; {blur}{band}epsilon {}\n",
+        record.input,
+        join(m.grid.dimensions.map(|n| n.to_string())),
+        join(m.grid.spacing_mm.map(digits)),
+        digits(m.parameters.epsilon),
+    )
+}
+
+fn rows(record: &Record) -> Vec<Vec<String>> {
+    let m = &record.measured;
+    let number = |v: Option<f64>| v.map_or_else(|| "-".to_owned(), digits);
+    let label = record.label.as_ref().map_or_else(String::new, ToString::to_string);
+    let chi = |v: Option<f64>| v.map_or_else(|| "-".to_owned(), |chi| format!("{chi:.3}"));
+    let c = &m.compensated;
+    let mut rows = vec![
+        vec![
+            label,
+            "blurred".to_owned(),
+            number(m.volume_mm3),
+            number(m.surface_area_mm2),
+            number(m.total_mean_curvature_mm),
+            number(m.average_mean_curvature_per_mm),
+            chi(m.euler_characteristic),
+            m.topology.euler_characteristic_voxels_26.to_string(),
+        ],
+        vec![
+            String::new(),
+            "original".to_owned(),
+            number(c.volume_mm3),
+            number(c.surface_area_mm2),
+            number(c.total_mean_curvature_mm),
+            number(c.average_mean_curvature_per_mm),
+        ],
+    ];
+    if let Some(truth) = m.truth {
+        rows.push(vec![
+            String::new(),
+            "exact".to_owned(),
+            digits(truth.volume),
+            digits(truth.surface_area),
+            digits(truth.total_mean_curvature),
+            digits(truth.average_mean_curvature),
+            truth.euler_characteristic.to_string(),
+        ]);
+    }
+    rows
+}
+
+/// Each warning once, with the labels it is about. What the table does not show needs no `not-computed`.
+fn flags(records: &[Record]) -> String {
+    let all = || records.iter().flat_map(|r| r.measured.flags.iter().map(move |f| (r, f)));
+    let mut codes: Vec<FlagCode> = Vec::new();
+    for (_, flag) in all() {
+        if flag.code != FlagCode::NotComputed && !codes.contains(&flag.code) {
+            codes.push(flag.code);
+        }
+    }
+    let mut text = String::new();
+    for code in codes {
+        let raised: Vec<_> = all().filter(|(_, f)| f.code == code).collect();
+        let labels: Vec<String> =
+            raised.iter().filter_map(|(r, _)| r.label.as_ref()).map(ToString::to_string).collect();
+        let about =
+            if records.len() == 1 { String::new() } else { format!(" (label {})", labels.join(", ")) };
+        let others = if raised.len() > 1 && records.len() > 1 { "for the first: " } else { "" };
+        let same = raised.iter().all(|(_, f)| f.message == raised[0].1.message);
+        let others = if same { "" } else { others };
+        writeln!(text, "  ! {code}{about}: {others}{}", raised[0].1.message).expect("writing to a string");
+    }
+    text
+}
+
+/// Six significant digits, without an exponent where a reader can do without.
+fn digits(value: f64) -> String {
+    if value == 0.0 {
+        return "0".to_owned();
+    }
+    let magnitude = value.abs().log10().floor() as i32;
+    if !(-4..15).contains(&magnitude) {
+        return format!("{value:.5e}");
+    }
+    let text = format!("{value:.*}", (5 - magnitude).max(0) as usize);
+    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::digits;
+
+    #[test]
+    fn six_digits() {
+        let cases = [
+            (184_541.62, "184542"),
+            (2.0, "2"),
+            (0.034_567_89, "0.0345679"),
+            (-1.5e-7, "-1.50000e-7"),
+            (0.0, "0"),
+        ];
+        for (value, text) in cases {
+            assert_eq!(digits(value), text);
+        }
+    }
+}

@@ -1,0 +1,32 @@
+//! Results for the original object: the blur's and the band's leading effects taken off.
+
+use crate::integrals::Integrals;
+
+/// V, A and M of the object before the blur.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CompensatedIntegrals {
+    /// mm^3.
+    pub volume: f64,
+    /// mm^2.
+    pub area: f64,
+    /// Integral of H, mm.
+    pub mean: f64,
+}
+
+/// Undoes, to first order in sigma^2, what the blur did, and to second order in t what the band did.
+///
+/// The blur moves the surface by -sigma^2 H along its normal. Moving it back by sigma^2 H changes V by sigma^2 M,
+/// A by 2 sigma^2 int H^2 and M by sigma^2 int H K. The smeared Heaviside and delta average over parallel surfaces
+/// with a mean square distance `variance`: V is too large by `variance` M and A by `variance` int K (Steiner), and
+/// M is right because its second derivative along the normal vanishes.
+///
+/// What is left is of order sigma^4 / R^4: 0.2 % at R = 5 sigma, 3 % at R = 2.5 sigma. Valid at level 0.5 only.
+pub fn compensate(plain: &Integrals, sigma: f64, variance: f64) -> CompensatedIntegrals {
+    let surface = &plain.surface;
+    let square = sigma * sigma;
+    CompensatedIntegrals {
+        volume: plain.volume + (square - variance) * surface.mean,
+        area: surface.area + 2.0 * square * surface.mean_squared - variance * surface.gaussian,
+        mean: surface.mean + square * surface.mean_times_gaussian,
+    }
+}

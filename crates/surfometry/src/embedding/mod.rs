@@ -1,0 +1,35 @@
+//! From an object to a field phi whose zero level set is its surface, negative inside.
+
+mod distance;
+mod gaussian;
+mod given;
+mod kernel;
+mod separable;
+
+pub use distance::DistanceEmbedding;
+pub use gaussian::GaussianEmbedding;
+pub use kernel::{GaussianKernel, TRUNCATION};
+pub(crate) use separable::Separable;
+
+use crate::tiling::{Block, IndexBox};
+
+/// A field that can be had on any box of voxels.
+pub trait Embedding: Sync {
+    /// Precision in which the field is kept.
+    type Value: Copy + Into<f64>;
+
+    /// A box outside which no voxel can have |phi| <= `half_width` or phi < 0.
+    fn support(&self, half_width: f64) -> IndexBox;
+
+    /// The part of a box where the field exists: all of it, unless the field ends at the image's edge.
+    fn available(&self, region: &IndexBox) -> IndexBox {
+        *region
+    }
+
+    /// The field on a box; `half_width` is the largest |phi| that needs to be exact.
+    fn evaluate(&self, region: &IndexBox, half_width: f64) -> Block<Self::Value>;
+
+    /// `Some(phi)` where the field is constant on a box, or beyond `half_width` and of one sign, known without
+    /// evaluating it.
+    fn constant_on(&self, region: &IndexBox, half_width: f64) -> Option<f64>;
+}

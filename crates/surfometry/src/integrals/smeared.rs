@@ -1,0 +1,130 @@
+//! Smeared Heaviside and delta.
+
+use serde::Serialize;
+use std::f64::consts::PI;
+
+/// Profile of the smeared delta.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Smearing {
+    /// (1 + cos(pi x / eps)) / (2 eps) on |x| <= eps (the paper).
+    #[default]
+    Sine,
+    /// sech^2(x / s) / (2 s) with s such that its second moment is the sine's, cut at 2 eps (or where the field
+    /// saturates, if that is nearer) and renormalised.
+    Tanh,
+}
+
+/// Variance of the sine delta in units of eps^2: 1/3 - 2/pi^2.
+const SINE_VARIANCE: f64 = 1.0 / 3.0 - 2.0 / (PI * PI);
+
+/// A smeared delta of a given half-width eps, in units of phi, and its Heaviside.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SmearedDelta {
+    smearing: Smearing,
+    epsilon: f64,
+    /// Where the delta ends, in units of phi.
+    half_width: f64,
+}
+
+impl SmearedDelta {
+    /// A delta of half-width `epsilon` for a field that saturates at |phi| = `saturation` (infinite if it does not).
+    ///
+    /// The hyperbolic tangent has tails; on a field that saturates they would weigh all of space. They are cut
+    /// inside the saturation, and what is left is scaled to the integral 1.
+    pub fn new(smearing: Smearing, epsilon: f64, saturation: f64) -> Self {
+        let half_width = match smearing {
+            Smearing::Sine => epsilon,
+            // A hair inside, so that f32 rounding of the saturated value stays out.
+            Smearing::Tanh => (2.0 * epsilon).min(saturation * (1.0 - 1e-6)),
+        };
+        Self { smearing, epsilon, half_width }
+    }
+
+    /// eps, in units of phi.
+    pub fn epsilon(&self) -> f64 {
+        self.epsilon
+    }
+
+    /// Largest |phi| with a weight.
+    pub fn half_width(&self) -> f64 {
+        self.half_width
+    }
+
+    fn tanh_scale(&self) -> f64 {
+        // Variance of sech^2(x/s)/(2s) is (pi s)^2 / 12.
+        self.epsilon * libm::sqrt(12.0 * SINE_VARIANCE) / PI
+    }
+
+    /// delta(phi), in units of 1/phi.
+    pub fn delta(&self, phi: f64) -> f64 {
+        if phi.abs() > self.half_width {
+            return 0.0;
+        }
+        match self.smearing {
+            Smearing::Sine => (1.0 + libm::cos(PI * phi / self.epsilon)) / (2.0 * self.epsilon),
+            Smearing::Tanh => {
+                let s = self.tanh_scale();
+                let cosh = libm::cosh(phi / s);
+                1.0 / (2.0 * s * cosh * cosh * libm::tanh(self.half_width / s))
+            }
+        }
+    }
+
+    /// theta(phi): 0 below the band, 1 above.
+    pub fn heaviside(&self, phi: f64) -> f64 {
+        if phi <= -self.half_width {
+            return 0.0;
+        }
+        if phi >= self.half_width {
+            return 1.0;
+        }
+        match self.smearing {
+            Smearing::Sine => {
+                let x = phi / self.epsilon;
+                0.5 * (1.0 + x + libm::sin(PI * x) / PI)
+            }
+            Smearing::Tanh => {
+                let s = self.tanh_scale();
+                0.5 * (1.0 + libm::tanh(phi / s) / libm::tanh(self.half_width / s))
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_delta_is_the_heavisides_derivative_and_weighs_one() {
+        for smearing in [Smearing::Sine, Smearing::Tanh] {
+            for epsilon in [0.1, 0.234, 0.4] {
+                let d = SmearedDelta::new(smearing, epsilon, 0.5);
+                let n = 20_000;
+                let step = 2.0 * d.half_width() / f64::from(n);
+                let xs = (0..n).map(|i| -d.half_width() + (f64::from(i) + 0.5) * step);
+                let weight: f64 = xs.clone().map(|x| d.delta(x) * step).sum();
+                assert!((weight - 1.0).abs() < 1e-7, "{smearing:?} {epsilon} {weight}");
+                for x in xs.step_by(997) {
+                    let slope = (d.heaviside(x + 1e-6) - d.heaviside(x - 1e-6)) / 2e-6;
+                    assert!((slope - d.delta(x)).abs() < 1e-5 * d.delta(0.0));
+                    assert!((d.heaviside(x) + d.heaviside(-x) - 1.0).abs() < 1e-12);
+                }
+                assert_eq!((d.heaviside(0.5), d.heaviside(-0.5), d.delta(0.5)), (1.0, 0.0, 0.0));
+            }
+        }
+    }
+
+    #[test]
+    fn both_profiles_have_the_same_second_moment() {
+        let moment = |smearing| {
+            let d = SmearedDelta::new(smearing, 0.1, f64::INFINITY);
+            let step = 1e-5;
+            (-20_000..20_000).map(|i| f64::from(i) * step).map(|x| x * x * d.delta(x) * step).sum::<f64>()
+        };
+        assert!((moment(Smearing::Sine) / (SINE_VARIANCE * 0.01) - 1.0).abs() < 1e-4);
+        // The cut at 2 eps takes 0.4 % of it away.
+        assert!((moment(Smearing::Tanh) / moment(Smearing::Sine) - 1.0).abs() < 0.006);
+    }
+}

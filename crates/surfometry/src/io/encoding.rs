@@ -1,0 +1,37 @@
+//! Decoders of voxel data.
+
+use super::ReadError;
+use super::header::{DataOffset, Encoding, VoxelData};
+use flate2::read::{MultiGzDecoder, ZlibDecoder};
+use std::fs::File;
+use std::io::{self, BufReader, Read, Seek, SeekFrom};
+
+/// Reads ahead in pieces that keep system calls few.
+const BUFFER: usize = 1 << 18;
+
+/// Opens voxel data, positioned at the first voxel. `bytes` is how many the header promises: raw data are checked
+/// against the file's size before anything is read.
+pub(crate) fn open(data: &VoxelData, bytes: u64) -> Result<Box<dyn Read + Send>, ReadError> {
+    let io_error = |e| ReadError::io(&data.path, e);
+    let mut file = File::open(&data.path).map_err(io_error)?;
+    let size = file.metadata().map_err(io_error)?.len();
+    let (start, skip) = match data.offset {
+        DataOffset::Stored(start) => (start, 0),
+        DataOffset::Decoded(skip) => (0, skip),
+        DataOffset::FromEnd => (size.saturating_sub(bytes), 0),
+    };
+    let available = size.saturating_sub(start).saturating_sub(skip);
+    if data.encoding == Encoding::Raw && available < bytes {
+        return Err(ReadError::Truncated { found: available, expected: bytes });
+    }
+    file.seek(SeekFrom::Start(start)).map_err(io_error)?;
+    let stored = BufReader::with_capacity(BUFFER, file);
+    let mut decoded: Box<dyn Read + Send> = match data.encoding {
+        Encoding::Raw => Box::new(stored),
+        Encoding::Gzip => Box::new(MultiGzDecoder::new(stored)),
+        Encoding::Zlib => Box::new(ZlibDecoder::new(stored)),
+        Encoding::Bzip2 => Box::new(bzip2::read::MultiBzDecoder::new(stored)),
+    };
+    io::copy(&mut decoded.by_ref().take(skip), &mut io::sink()).map_err(io_error)?;
+    Ok(decoded)
+}

@@ -1,0 +1,77 @@
+//! Why a file could not be read.
+
+use crate::volume::VolumeError;
+use std::io;
+use std::path::PathBuf;
+use thiserror::Error;
+
+/// Why a file could not be read; every message says what to do. The file's name is added by who knows it.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum ReadError {
+    /// The file cannot be opened or read.
+    #[error("{path}: {source}", path = path.display())]
+    Io {
+        /// The file, which for a detached header may be its data file.
+        path: PathBuf,
+        /// What the system said.
+        source: io::Error,
+    },
+    /// No supported format.
+    #[error("{0}")]
+    UnknownFormat(String),
+    /// The header makes no sense.
+    #[error("damaged or unsupported {format} header: {reason}")]
+    Header {
+        /// Format.
+        format: &'static str,
+        /// What is wrong and what to do.
+        reason: String,
+    },
+    /// Several volumes or channels in one file.
+    #[error(
+        "{count} volumes in one file ({dimensions:?}): surfometry measures one 3-D image at a time; split the file, for instance with nibabel or `fslsplit`"
+    )]
+    SeveralVolumes {
+        /// Dimensions as stored.
+        dimensions: Vec<usize>,
+        /// How many.
+        count: usize,
+    },
+    /// The voxel type has no single number a voxel.
+    #[error(
+        "voxels of type {0}: surfometry reads integers of 8 to 64 bits and floats of 32 or 64; convert the image"
+    )]
+    VoxelType(String),
+    /// The data end before the header says.
+    #[error(
+        "the voxel data end after {found} of {expected} bytes: the file is truncated or its header claims too much; copy or export it again"
+    )]
+    Truncated {
+        /// Bytes found.
+        found: u64,
+        /// Bytes that the header promises.
+        expected: u64,
+    },
+    /// The compressed data are damaged.
+    #[error(
+        "the compressed voxel data are damaged ({source}) after {found} of {expected} bytes; copy or export the file again"
+    )]
+    Decompression {
+        /// Bytes decoded.
+        found: u64,
+        /// Bytes that the header promises.
+        expected: u64,
+        /// What the decoder said.
+        source: io::Error,
+    },
+    /// The image itself.
+    #[error(transparent)]
+    Volume(#[from] VolumeError),
+}
+
+impl ReadError {
+    pub(super) fn io(path: &std::path::Path, source: io::Error) -> Self {
+        Self::Io { path: path.to_owned(), source }
+    }
+}

@@ -1,0 +1,187 @@
+//! What every format's header comes down to.
+
+use super::ReadError;
+use crate::volume::{Affine, Grid, ScalarType, Spacing, VolumeError};
+use std::fs::File;
+use std::io::Read;
+use std::path::{Path, PathBuf};
+
+/// A supported file format.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Format {
+    /// NIfTI-1 and NIfTI-2: .nii, .nii.gz, .hdr + .img.
+    Nifti,
+    /// MetaImage: .mha, .mhd + raw.
+    MetaImage,
+    /// NRRD: .nrrd, .nhdr + raw.
+    Nrrd,
+    /// NumPy: .npy.
+    Npy,
+}
+
+const SUPPORTED: &str = "supported are NIfTI (.nii, .nii.gz, .hdr/.img), MetaImage (.mha, .mhd), NRRD (.nrrd, .nhdr) and NumPy (.npy)";
+
+impl Format {
+    /// The format of a file, by its name.
+    ///
+    /// # Errors
+    /// [`ReadError`] for a folder, a missing or empty file, or an unknown ending.
+    pub fn detect(path: &Path) -> Result<Self, ReadError> {
+        let metadata = path.metadata().map_err(|e| ReadError::io(path, e))?;
+        if metadata.is_dir() {
+            let message = format!("a folder: DICOM series and OME-Zarr are not read yet; {SUPPORTED}");
+            return Err(ReadError::UnknownFormat(message));
+        }
+        if metadata.len() == 0 {
+            return Err(ReadError::UnknownFormat(
+                "the file is empty (0 bytes); copy or export it again".into(),
+            ));
+        }
+        let name = path.file_name().unwrap_or_default().to_string_lossy().to_lowercase();
+        let endings: [(Self, &[&str]); 4] = [
+            (Self::Nifti, &[".nii", ".nii.gz", ".hdr", ".hdr.gz", ".img", ".img.gz"]),
+            (Self::MetaImage, &[".mha", ".mhd"]),
+            (Self::Nrrd, &[".nrrd", ".nhdr"]),
+            (Self::Npy, &[".npy"]),
+        ];
+        let known = endings.iter().find(|(_, list)| list.iter().any(|e| name.ends_with(e)));
+        known.map(|(format, _)| *format).ok_or_else(|| {
+            ReadError::UnknownFormat(format!("the file's ending names no format that is read; {SUPPORTED}"))
+        })
+    }
+
+    /// Name for people.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Nifti => "NIfTI",
+            Self::MetaImage => "MetaImage",
+            Self::Nrrd => "NRRD",
+            Self::Npy => "NumPy",
+        }
+    }
+}
+
+/// Order of the bytes of a number.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum ByteOrder {
+    Little,
+    Big,
+}
+
+/// How voxel data are packed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Encoding {
+    Raw,
+    /// One or several gzip members.
+    Gzip,
+    Zlib,
+    Bzip2,
+}
+
+/// Where the voxel data start.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum DataOffset {
+    /// Bytes to skip before decoding.
+    Stored(u64),
+    /// Bytes to skip after decoding, as in a compressed file that holds header and data.
+    Decoded(u64),
+    /// The data are the file's last bytes.
+    FromEnd,
+}
+
+/// Where and how voxels are stored.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct VoxelData {
+    pub(crate) path: PathBuf,
+    pub(crate) encoding: Encoding,
+    pub(crate) offset: DataOffset,
+    pub(crate) order: ByteOrder,
+    /// value = slope * stored + intercept.
+    pub(crate) scaling: Option<(f64, f64)>,
+}
+
+/// A header, whatever its format.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ImageHeader {
+    /// Format of the file.
+    pub format: Format,
+    /// Voxels along x, y, z.
+    pub dimensions: [usize; 3],
+    /// Type of the stored voxels.
+    pub scalar: ScalarType,
+    /// Index-to-world transform in mm (RAS); `None` where the file has no spacing.
+    pub affine: Option<Affine>,
+    /// A second spacing that the file names and that is not the affine's, mm.
+    pub other_spacing: Option<[f64; 3]>,
+    pub(crate) data: VoxelData,
+}
+
+impl ImageHeader {
+    /// The lattice, with the spacing replaced where the caller gave one.
+    ///
+    /// # Errors
+    /// [`VolumeError`] for a missing or impossible spacing, a sheared affine or an impossible size.
+    pub fn grid(&self, spacing: Option<[f64; 3]>) -> Result<Grid, VolumeError> {
+        let affine = match (self.affine, spacing) {
+            (None, None) => return Err(VolumeError::MissingSpacing),
+            (Some(affine), None) => affine,
+            (None, Some(spacing)) => Affine::diagonal(Spacing::new(spacing)?.mm()),
+            (Some(affine), Some(spacing)) => {
+                let spacing = Spacing::new(spacing)?.mm();
+                if affine.is_finite() && Spacing::new(affine.column_lengths()).is_ok() {
+                    affine.with_spacing(spacing)
+                } else {
+                    Affine::diagonal(spacing)
+                }
+            }
+        };
+        Grid::new(self.dimensions, affine)
+    }
+}
+
+/// Three dimensions out of a header's list: trailing axes of one voxel are dropped, anything else is refused.
+pub(crate) fn three_dimensions(stored: &[usize]) -> Result<[usize; 3], ReadError> {
+    if stored.contains(&0) || stored.is_empty() {
+        return Err(VolumeError::EmptyAxis { dimensions: stored.to_vec() }.into());
+    }
+    let extra = stored.iter().skip(3).product::<usize>();
+    if extra > 1 {
+        return Err(ReadError::SeveralVolumes { dimensions: stored.to_vec(), count: extra });
+    }
+    let volume = &stored[..stored.len().min(3)];
+    if volume.len() < 3 || volume.contains(&1) {
+        let cure = "stack the slices of a 2-D series into one volume first";
+        return Err(VolumeError::NotThreeDimensional { dimensions: stored.to_vec(), cure }.into());
+    }
+    Ok([volume[0], volume[1], volume[2]])
+}
+
+/// Reads the start of a file, at most `limit` bytes.
+pub(crate) fn read_start(path: &Path, limit: u64) -> Result<Vec<u8>, ReadError> {
+    let mut bytes = Vec::new();
+    let file = File::open(path).map_err(|e| ReadError::io(path, e))?;
+    file.take(limit).read_to_end(&mut bytes).map_err(|e| ReadError::io(path, e))?;
+    Ok(bytes)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn dimensions_are_three() {
+        assert_eq!(three_dimensions(&[4, 5, 6, 1, 1]).unwrap(), [4, 5, 6]);
+        assert!(matches!(three_dimensions(&[4, 5, 6, 2]), Err(ReadError::SeveralVolumes { count: 2, .. })));
+        for flat in [&[4, 5][..], &[4, 5, 1], &[4, 5, 1, 1]] {
+            let error = three_dimensions(flat);
+            assert!(
+                matches!(error, Err(ReadError::Volume(VolumeError::NotThreeDimensional { .. }))),
+                "{flat:?}"
+            );
+        }
+        assert!(matches!(
+            three_dimensions(&[4, 0, 5]),
+            Err(ReadError::Volume(VolumeError::EmptyAxis { .. }))
+        ));
+    }
+}

@@ -1,0 +1,136 @@
+//! MetaImage headers: .mha, and .mhd with a raw file.
+//!
+//! # References
+//! <https://itk.org/Wiki/ITK/MetaIO/Documentation>. World coordinates are LPS.
+
+use super::ReadError;
+use super::header::{ByteOrder, DataOffset, Encoding, Format, ImageHeader, VoxelData, three_dimensions};
+use super::text_header::{Lines, beside, numbers};
+use crate::volume::{Affine, ScalarType};
+use std::collections::HashMap;
+use std::path::Path;
+
+fn error(reason: impl Into<String>) -> ReadError {
+    ReadError::Header { format: "MetaImage", reason: reason.into() }
+}
+
+/// Reads the header of a .mha or .mhd file.
+pub(super) fn read_header(path: &Path) -> Result<ImageHeader, ReadError> {
+    let mut lines = Lines::of(path)?;
+    let keys = Keys::read(&mut lines)?;
+    let axes: Vec<usize> =
+        keys.list("DimSize")?.ok_or_else(|| error("no DimSize; is this a MetaImage file?"))?;
+    let channels: usize = keys.one("ElementNumberOfChannels")?.unwrap_or(1);
+    if channels > 1 {
+        return Err(ReadError::SeveralVolumes { dimensions: axes, count: channels });
+    }
+    let dimensions = three_dimensions(&axes)?;
+    let scalar = scalar(keys.text("ElementType").unwrap_or("none"))?;
+    let affine = affine(&keys, axes.len())?;
+    let data = data(path, &keys, lines.position())?;
+    Ok(ImageHeader { format: Format::MetaImage, dimensions, scalar, affine, other_spacing: None, data })
+}
+
+/// `Key = Value` lines up to ElementDataFile, which is the last.
+struct Keys(HashMap<String, String>);
+
+impl Keys {
+    fn read(lines: &mut Lines) -> Result<Self, ReadError> {
+        let mut keys = HashMap::new();
+        for line in lines {
+            let Some((key, value)) = line.split_once('=') else {
+                return Err(error("a line without `=`; the file is not MetaImage, whatever its name"));
+            };
+            let last = key.trim() == "ElementDataFile";
+            keys.insert(key.trim().to_owned(), value.trim().to_owned());
+            if last {
+                return Ok(Self(keys));
+            }
+        }
+        Err(error("no ElementDataFile line; the header is incomplete"))
+    }
+
+    fn text(&self, key: &str) -> Option<&str> {
+        self.0.get(key).map(String::as_str)
+    }
+
+    fn list<T: std::str::FromStr>(&self, key: &str) -> Result<Option<Vec<T>>, ReadError> {
+        let Some(text) = self.text(key) else { return Ok(None) };
+        numbers(text).map(Some).ok_or_else(|| error(format!("{key} = {text} cannot be read as numbers")))
+    }
+
+    fn one<T: std::str::FromStr + Copy>(&self, key: &str) -> Result<Option<T>, ReadError> {
+        Ok(self.list(key)?.and_then(|list| list.first().copied()))
+    }
+
+    fn is_true(&self, key: &str) -> bool {
+        self.text(key).is_some_and(|v| v.eq_ignore_ascii_case("true") || v == "1")
+    }
+}
+
+fn scalar(name: &str) -> Result<ScalarType, ReadError> {
+    Ok(match name {
+        "MET_UCHAR" => ScalarType::U8,
+        "MET_CHAR" => ScalarType::I8,
+        "MET_USHORT" => ScalarType::U16,
+        "MET_SHORT" => ScalarType::I16,
+        // MetaIO's long is four bytes wide, on every machine.
+        "MET_UINT" | "MET_ULONG" => ScalarType::U32,
+        "MET_INT" | "MET_LONG" => ScalarType::I32,
+        "MET_ULONG_LONG" => ScalarType::U64,
+        "MET_LONG_LONG" => ScalarType::I64,
+        "MET_FLOAT" => ScalarType::F32,
+        "MET_DOUBLE" => ScalarType::F64,
+        other => return Err(ReadError::VoxelType(other.to_owned())),
+    })
+}
+
+fn affine(keys: &Keys, axes: usize) -> Result<Option<Affine>, ReadError> {
+    let Some(spacing) = keys.list::<f64>("ElementSpacing")?.or(keys.list("ElementSize")?) else {
+        return Ok(None);
+    };
+    let first = |key: &str| -> Result<Option<Vec<f64>>, ReadError> { keys.list(key) };
+    // Rows of the matrix are the directions of the image axes.
+    let matrix = match first("TransformMatrix")?.or(first("Rotation")?).or(first("Orientation")?) {
+        Some(matrix) => matrix,
+        None => (0..axes * axes).map(|i| f64::from(u8::from(i % (axes + 1) == 0))).collect(),
+    };
+    let origin = match first("Offset")?.or(first("Position")?).or(first("Origin")?) {
+        Some(origin) => origin,
+        None => vec![0.0; axes],
+    };
+    if spacing.len() < 3 || matrix.len() != axes * axes || origin.len() < 3 {
+        return Err(error("ElementSpacing, TransformMatrix or Offset have the wrong number of values"));
+    }
+    let directions = std::array::from_fn(|a| std::array::from_fn(|w| matrix[a * axes + w]));
+    let spacing = [spacing[0], spacing[1], spacing[2]];
+    let affine = Affine::from_directions(directions, spacing, [origin[0], origin[1], origin[2]]);
+    Ok(Some(affine.with_lps_swapped()))
+}
+
+fn data(path: &Path, keys: &Keys, header_end: u64) -> Result<VoxelData, ReadError> {
+    let file = keys.text("ElementDataFile").unwrap_or_default();
+    if keys.text("BinaryData").is_some_and(|v| v.eq_ignore_ascii_case("false")) {
+        return Err(error("voxels written as text; save the image with binary data"));
+    }
+    if file == "LIST" || file.contains('%') {
+        return Err(error("one data file a slice (LIST); save the image as one .mha file"));
+    }
+    let local = file == "LOCAL";
+    let skip: i64 = keys.one("HeaderSize")?.unwrap_or(0);
+    let offset = match (local, skip) {
+        (true, _) => DataOffset::Stored(header_end),
+        (false, -1) => DataOffset::FromEnd,
+        (false, skip) => {
+            DataOffset::Stored(u64::try_from(skip).map_err(|_| error(format!("HeaderSize = {skip}")))?)
+        }
+    };
+    let big = keys.is_true("BinaryDataByteOrderMSB") || keys.is_true("ElementByteOrderMSB");
+    Ok(VoxelData {
+        path: if local { path.to_owned() } else { beside(path, file) },
+        encoding: if keys.is_true("CompressedData") { Encoding::Zlib } else { Encoding::Raw },
+        offset,
+        order: if big { ByteOrder::Big } else { ByteOrder::Little },
+        scaling: None,
+    })
+}

@@ -1,0 +1,65 @@
+//! Image files: one file a format. A format only reads its header; decoding and slabs are common to all.
+
+mod encoding;
+mod error;
+mod header;
+mod metaimage;
+mod nifti;
+mod nifti_writer;
+mod npy;
+mod nrrd;
+mod text_header;
+mod voxel_stream;
+
+pub use error::ReadError;
+pub use header::{Format, ImageHeader};
+pub use nifti_writer::write_labels;
+pub use voxel_stream::VoxelStream;
+
+use crate::volume::{FieldImage, LabelImage};
+use std::path::Path;
+
+/// What the caller knows better than the file.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct ReadOptions {
+    /// Spacing in mm, fastest axis first: replaces the file's, or supplies what it lacks.
+    pub spacing: Option<[f64; 3]>,
+}
+
+/// Reads a label image of any supported format.
+///
+/// # Errors
+/// [`ReadError`], which names the file, what is wrong and what to do.
+pub fn read_labels(path: impl AsRef<Path>) -> Result<LabelImage, ReadError> {
+    read_labels_with(path, ReadOptions::default())
+}
+
+/// Reads a label image with options.
+///
+/// # Errors
+/// As [`read_labels`].
+pub fn read_labels_with(path: impl AsRef<Path>, options: ReadOptions) -> Result<LabelImage, ReadError> {
+    LabelImage::from_slabs(&mut VoxelStream::open(path.as_ref(), options)?)
+}
+
+/// Reads a scalar field, for instance an embedding made elsewhere.
+///
+/// # Errors
+/// As [`read_labels`].
+pub fn read_field(path: impl AsRef<Path>, options: ReadOptions) -> Result<FieldImage, ReadError> {
+    FieldImage::from_slabs(&mut VoxelStream::open(path.as_ref(), options)?)
+}
+
+/// Reads only the header.
+///
+/// # Errors
+/// As [`read_labels`].
+pub fn read_header(path: impl AsRef<Path>) -> Result<ImageHeader, ReadError> {
+    let path = path.as_ref();
+    match Format::detect(path)? {
+        Format::Nifti => nifti::read_header(path),
+        Format::MetaImage => metaimage::read_header(path),
+        Format::Nrrd => nrrd::read_header(path),
+        Format::Npy => npy::read_header(path),
+    }
+}

@@ -1,0 +1,298 @@
+//! NIfTI-1 and NIfTI-2 headers, single files and pairs.
+//!
+//! Own code: the crate `nifti` reads no NIfTI-2, stops after the first gzip member and leaves the qform to the caller.
+//!
+//! # References
+//! nifti1.h and nifti2.h, <https://nifti.nimh.nih.gov>.
+
+use super::ReadError;
+use super::header::{ByteOrder, DataOffset, Encoding, Format, ImageHeader, VoxelData, three_dimensions};
+use crate::volume::{Affine, ScalarType};
+use flate2::read::MultiGzDecoder;
+use std::fs::File;
+use std::io::Read;
+use std::path::{Path, PathBuf};
+
+const SIZE_1: i32 = 348;
+const SIZE_2: i32 = 540;
+/// Relative difference of pixdim and sform spacings that is worth a warning.
+const CONFLICT: f64 = 0.01;
+
+fn error(reason: impl Into<String>) -> ReadError {
+    ReadError::Header { format: "NIfTI", reason: reason.into() }
+}
+
+/// Reads the header of a .nii, .nii.gz, .hdr or .img file.
+pub(super) fn read_header(path: &Path) -> Result<ImageHeader, ReadError> {
+    let (header_path, data_path) = parts(path);
+    let (bytes, gzipped) = header_bytes(&header_path)?;
+    let fields = Fields::parse(&bytes)?;
+    let dimensions = three_dimensions(&fields.dimensions)?;
+    let affine = fields.affine();
+    let single = fields.single_file;
+    let offset = if single { fields.vox_offset.max(fields.header_size + 4) } else { fields.vox_offset };
+    let data_path = if single { header_path } else { data_path };
+    // Of a pair, header and image may be compressed apart.
+    let gzipped = if single { gzipped } else { is_gzip(&data_path)? };
+    Ok(ImageHeader {
+        format: Format::Nifti,
+        dimensions,
+        scalar: fields.scalar()?,
+        affine,
+        other_spacing: fields.conflicting_spacing(affine.as_ref()),
+        data: VoxelData {
+            path: data_path,
+            encoding: if gzipped { Encoding::Gzip } else { Encoding::Raw },
+            offset: if gzipped { DataOffset::Decoded(offset) } else { DataOffset::Stored(offset) },
+            order: fields.order,
+            scaling: fields.scaling(),
+        },
+    })
+}
+
+/// Header and image file of a path that may name either of a pair.
+fn parts(path: &Path) -> (PathBuf, PathBuf) {
+    let name = path.to_string_lossy();
+    let (stem, gz) = match name.strip_suffix(".gz") {
+        Some(stem) => (stem, ".gz"),
+        None => (&*name, ""),
+    };
+    let swapped =
+        |from: &str, to: &str| stem.strip_suffix(from).map(|s| PathBuf::from(format!("{s}{to}{gz}")));
+    match (swapped(".hdr", ".img"), swapped(".img", ".hdr")) {
+        (Some(image), _) => (path.to_owned(), image),
+        (_, Some(header)) => (header, path.to_owned()),
+        _ => (path.to_owned(), path.to_owned()),
+    }
+}
+
+fn is_gzip(path: &Path) -> Result<bool, ReadError> {
+    Ok(super::header::read_start(path, 2)?.starts_with(&[0x1f, 0x8b]))
+}
+
+fn header_bytes(path: &Path) -> Result<(Vec<u8>, bool), ReadError> {
+    let gzipped = is_gzip(path)?;
+    let file = File::open(path).map_err(|e| ReadError::io(path, e))?;
+    let reader: Box<dyn Read> = if gzipped { Box::new(MultiGzDecoder::new(file)) } else { Box::new(file) };
+    let mut bytes = Vec::new();
+    let outcome = reader.take(SIZE_2 as u64).read_to_end(&mut bytes);
+    if bytes.len() < SIZE_1 as usize {
+        let cause = outcome.err().map_or_else(String::new, |e| format!(" ({e})"));
+        return Err(error(format!(
+            "the file ends after {} bytes{cause}; copy or export it again",
+            bytes.len()
+        )));
+    }
+    Ok((bytes, gzipped))
+}
+
+/// The fields that matter, of either version.
+struct Fields {
+    order: ByteOrder,
+    header_size: u64,
+    single_file: bool,
+    dimensions: Vec<usize>,
+    datatype: i16,
+    /// qfac, then the spacings.
+    pixdim: [f64; 4],
+    vox_offset: u64,
+    slope: f64,
+    intercept: f64,
+    qform_code: i32,
+    sform_code: i32,
+    quaternion: [f64; 3],
+    quaternion_offset: [f64; 3],
+    sform: [[f64; 4]; 3],
+    units: i32,
+}
+
+/// Numbers out of a header of known byte order.
+struct Numbers<'a> {
+    bytes: &'a [u8],
+    order: ByteOrder,
+}
+
+macro_rules! number {
+    ($name:ident, $type:ty) => {
+        fn $name(&self, offset: usize) -> $type {
+            let bytes =
+                self.bytes[offset..offset + size_of::<$type>()].try_into().expect("slice of that length");
+            match self.order {
+                ByteOrder::Little => <$type>::from_le_bytes(bytes),
+                ByteOrder::Big => <$type>::from_be_bytes(bytes),
+            }
+        }
+    };
+}
+
+impl Numbers<'_> {
+    number!(i16, i16);
+    number!(i32, i32);
+    number!(i64, i64);
+    number!(f32, f32);
+    number!(f64, f64);
+}
+
+impl Fields {
+    fn parse(bytes: &[u8]) -> Result<Self, ReadError> {
+        let size = |order| Numbers { bytes, order }.i32(0);
+        let order = match (size(ByteOrder::Little), size(ByteOrder::Big)) {
+            (SIZE_1 | SIZE_2, _) => ByteOrder::Little,
+            (_, SIZE_1 | SIZE_2) => ByteOrder::Big,
+            (other, _) => {
+                return Err(error(format!(
+                    "sizeof_hdr is {other}, not 348 or 540: the file is not NIfTI, whatever its name"
+                )));
+            }
+        };
+        let n = Numbers { bytes, order };
+        if n.i32(0) == SIZE_1 {
+            Self::version_1(&n)
+        } else if bytes.len() < SIZE_2 as usize {
+            Err(error("the file ends inside its header; copy or export it again"))
+        } else {
+            Self::version_2(&n)
+        }
+    }
+
+    fn version_1(n: &Numbers) -> Result<Self, ReadError> {
+        let f = |offset: usize| f64::from(n.f32(offset));
+        let single_file = match &n.bytes[344..348] {
+            b"n+1\0" => true,
+            b"ni1\0" => false,
+            // Analyze 7.5 has no magic, no orientation and no rule for left and right.
+            _ => return Err(error("no NIfTI magic (an Analyze 7.5 file?); convert it to NIfTI")),
+        };
+        Ok(Self {
+            order: n.order,
+            header_size: SIZE_1 as u64,
+            single_file,
+            dimensions: dimensions(i64::from(n.i16(40)), |i| i64::from(n.i16(40 + 2 * i)))?,
+            datatype: n.i16(70),
+            pixdim: std::array::from_fn(|i| f(76 + 4 * i)),
+            vox_offset: vox_offset(f(108))?,
+            slope: f(112),
+            intercept: f(116),
+            qform_code: n.i16(252).into(),
+            sform_code: n.i16(254).into(),
+            quaternion: std::array::from_fn(|i| f(256 + 4 * i)),
+            quaternion_offset: std::array::from_fn(|i| f(268 + 4 * i)),
+            sform: std::array::from_fn(|r| std::array::from_fn(|c| f(280 + 16 * r + 4 * c))),
+            units: n.bytes[123].into(),
+        })
+    }
+
+    fn version_2(n: &Numbers) -> Result<Self, ReadError> {
+        let single_file = match &n.bytes[4..8] {
+            b"n+2\0" => true,
+            b"ni2\0" => false,
+            _ => return Err(error("no NIfTI-2 magic; export the file again")),
+        };
+        Ok(Self {
+            order: n.order,
+            header_size: SIZE_2 as u64,
+            single_file,
+            dimensions: dimensions(n.i64(16), |i| n.i64(16 + 8 * i))?,
+            datatype: n.i16(12),
+            pixdim: std::array::from_fn(|i| n.f64(104 + 8 * i)),
+            vox_offset: vox_offset(n.i64(168) as f64)?,
+            slope: n.f64(176),
+            intercept: n.f64(184),
+            qform_code: n.i32(344),
+            sform_code: n.i32(348),
+            quaternion: std::array::from_fn(|i| n.f64(352 + 8 * i)),
+            quaternion_offset: std::array::from_fn(|i| n.f64(376 + 8 * i)),
+            sform: std::array::from_fn(|r| std::array::from_fn(|c| n.f64(400 + 32 * r + 8 * c))),
+            units: n.i32(500),
+        })
+    }
+
+    fn scalar(&self) -> Result<ScalarType, ReadError> {
+        Ok(match self.datatype {
+            2 => ScalarType::U8,
+            4 => ScalarType::I16,
+            8 => ScalarType::I32,
+            16 => ScalarType::F32,
+            64 => ScalarType::F64,
+            256 => ScalarType::I8,
+            512 => ScalarType::U16,
+            768 => ScalarType::U32,
+            1024 => ScalarType::I64,
+            1280 => ScalarType::U64,
+            other => return Err(ReadError::VoxelType(format!("NIfTI datatype {other}"))),
+        })
+    }
+
+    /// Slope 0 (or not a number) means that the stored values are the values.
+    fn scaling(&self) -> Option<(f64, f64)> {
+        let identity = self.slope == 1.0 && self.intercept == 0.0;
+        let usable = self.slope != 0.0 && self.slope.is_finite() && self.intercept.is_finite();
+        (usable && !identity).then_some((self.slope, self.intercept))
+    }
+
+    /// mm in the file's unit of length. An unknown unit is taken as mm, as everyone does.
+    fn unit(&self) -> f64 {
+        match self.units & 7 {
+            1 => 1000.0,
+            3 => 1e-3,
+            _ => 1.0,
+        }
+    }
+
+    fn spacing(&self) -> [f64; 3] {
+        // The standard wants pixdim positive; some writers put a sign there.
+        [1, 2, 3].map(|i| self.pixdim[i].abs() * self.unit())
+    }
+
+    /// The sform where it is set, else the qform, else the spacings alone.
+    fn affine(&self) -> Option<Affine> {
+        let affine = if self.sform_code > 0 {
+            let linear = self.sform.map(|row| [row[0], row[1], row[2]]);
+            Affine { linear, origin: self.sform.map(|row| row[3]) }.scaled(self.unit())
+        } else if self.qform_code > 0 {
+            let origin = self.quaternion_offset.map(|v| v * self.unit());
+            Affine::from_directions(self.quaternion_directions(), self.spacing(), origin)
+        } else {
+            Affine::diagonal(self.spacing())
+        };
+        // An affine of zeros is a header that was never filled in.
+        let missing = affine.column_lengths().iter().all(|&l| l == 0.0);
+        (!missing).then_some(affine)
+    }
+
+    /// Unit vectors of the image axes from the quaternion (nifti1.h, method 2).
+    fn quaternion_directions(&self) -> [[f64; 3]; 3] {
+        let [b, c, d] = self.quaternion;
+        let a = libm::sqrt((1.0 - b * b - c * c - d * d).max(0.0));
+        let x = [a * a + b * b - c * c - d * d, 2.0 * (b * c + a * d), 2.0 * (b * d - a * c)];
+        let y = [2.0 * (b * c - a * d), a * a + c * c - b * b - d * d, 2.0 * (c * d + a * b)];
+        let z = [2.0 * (b * d + a * c), 2.0 * (c * d - a * b), a * a + d * d - b * b - c * c];
+        let qfac = if self.pixdim[0] < 0.0 { -1.0 } else { 1.0 };
+        [x, y, z.map(|v| v * qfac)]
+    }
+
+    fn conflicting_spacing(&self, affine: Option<&Affine>) -> Option<[f64; 3]> {
+        let (used, pixdim) = (affine?.column_lengths(), self.spacing());
+        let differs = (0..3).any(|a| (pixdim[a] - used[a]).abs() > CONFLICT * used[a]);
+        (self.sform_code > 0 && differs).then_some(pixdim)
+    }
+}
+
+fn dimensions(count: i64, at: impl Fn(usize) -> i64) -> Result<Vec<usize>, ReadError> {
+    if !(1..=7).contains(&count) {
+        return Err(error(format!("dim[0] is {count}, not 1 to 7; the header is damaged")));
+    }
+    (1..=count as usize)
+        .map(|i| {
+            usize::try_from(at(i)).map_err(|_| error(format!("dim[{i}] is {}; the header is damaged", at(i))))
+        })
+        .collect()
+}
+
+fn vox_offset(value: f64) -> Result<u64, ReadError> {
+    if value.is_finite() && (0.0..1e15).contains(&value) {
+        Ok(value as u64)
+    } else {
+        Err(error(format!("vox_offset is {value}; the header is damaged")))
+    }
+}

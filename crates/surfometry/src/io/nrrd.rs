@@ -1,0 +1,218 @@
+//! NRRD headers: attached and detached; raw, gzip and bzip2.
+//!
+//! # References
+//! <https://teem.sourceforge.net/nrrd/format.html>.
+
+use super::ReadError;
+use super::header::{ByteOrder, DataOffset, Encoding, Format, ImageHeader, VoxelData, three_dimensions};
+use super::text_header::{Lines, beside, numbers};
+use crate::volume::{Affine, ScalarType};
+use std::collections::HashMap;
+use std::path::Path;
+
+fn error(reason: impl Into<String>) -> ReadError {
+    ReadError::Header { format: "NRRD", reason: reason.into() }
+}
+
+/// Reads the header of a .nrrd or .nhdr file.
+pub(super) fn read_header(path: &Path) -> Result<ImageHeader, ReadError> {
+    let mut lines = Lines::of(path)?;
+    if !lines.next().is_some_and(|magic| magic.starts_with("NRRD000")) {
+        return Err(error("no NRRD magic; the file is not NRRD, whatever its name"));
+    }
+    let fields = Fields::read(&mut lines);
+    let sizes: Vec<usize> =
+        numbers(fields.required("sizes")?).ok_or_else(|| error("`sizes` cannot be read"))?;
+    let scalar = scalar(fields.required("type")?)?;
+    let axes = spatial_axes(&fields, &sizes)?;
+    let dimensions = three_dimensions(&axes.iter().map(|&a| sizes[a]).collect::<Vec<_>>())?;
+    let affine = affine(&fields, &axes)?;
+    let data = data(path, &fields, scalar, lines.position())?;
+    Ok(ImageHeader { format: Format::Nrrd, dimensions, scalar, affine, other_spacing: None, data })
+}
+
+/// `field: value` lines up to the blank one.
+struct Fields(HashMap<String, String>);
+
+impl Fields {
+    fn read(lines: &mut Lines) -> Self {
+        let mut fields = HashMap::new();
+        for line in lines {
+            if line.is_empty() {
+                break;
+            }
+            // `key:=value` lines are the user's own.
+            match line.split_once(':') {
+                Some((key, value)) if !line.starts_with('#') && !value.starts_with('=') => {
+                    fields.insert(key.trim().to_lowercase(), value.trim().to_owned());
+                }
+                _ => {}
+            }
+        }
+        Self(fields)
+    }
+
+    fn get(&self, names: &[&str]) -> Option<&str> {
+        names.iter().find_map(|n| self.0.get(*n)).map(String::as_str)
+    }
+
+    fn required(&self, name: &str) -> Result<&str, ReadError> {
+        self.get(&[name]).ok_or_else(|| error(format!("no `{name}` field; the header is incomplete")))
+    }
+}
+
+fn scalar(name: &str) -> Result<ScalarType, ReadError> {
+    Ok(match name {
+        "signed char" | "int8" | "int8_t" => ScalarType::I8,
+        "uchar" | "unsigned char" | "uint8" | "uint8_t" => ScalarType::U8,
+        "short" | "short int" | "signed short" | "signed short int" | "int16" | "int16_t" => ScalarType::I16,
+        "ushort" | "unsigned short" | "unsigned short int" | "uint16" | "uint16_t" => ScalarType::U16,
+        "int" | "signed int" | "int32" | "int32_t" => ScalarType::I32,
+        "uint" | "unsigned int" | "uint32" | "uint32_t" => ScalarType::U32,
+        "longlong"
+        | "long long"
+        | "long long int"
+        | "signed long long"
+        | "signed long long int"
+        | "int64"
+        | "int64_t" => ScalarType::I64,
+        "ulonglong" | "unsigned long long" | "unsigned long long int" | "uint64" | "uint64_t" => {
+            ScalarType::U64
+        }
+        "float" => ScalarType::F32,
+        "double" => ScalarType::F64,
+        other => return Err(ReadError::VoxelType(other.to_owned())),
+    })
+}
+
+/// The axes that are space. Others (vectors, segment layers, time) may only have one sample.
+fn spatial_axes(fields: &Fields, sizes: &[usize]) -> Result<Vec<usize>, ReadError> {
+    let is_space = |axis: usize| match (fields.get(&["space directions"]), fields.get(&["kinds"])) {
+        (Some(directions), _) => directions_of(directions).get(axis).is_none_or(Option::is_some),
+        (None, Some(kinds)) => {
+            kinds.split_whitespace().nth(axis).is_none_or(|k| matches!(k, "domain" | "space" | "???"))
+        }
+        (None, None) => axis < 3,
+    };
+    let (space, other): (Vec<usize>, Vec<usize>) = (0..sizes.len()).partition(|&a| is_space(a));
+    let count: usize = other.iter().map(|&a| sizes[a]).product();
+    if count > 1 {
+        return Err(ReadError::SeveralVolumes { dimensions: sizes.to_vec(), count });
+    }
+    Ok(space)
+}
+
+/// The vectors of `space directions`, `None` for `none`. Entries that cannot be read become NaN, which the grid
+/// refuses.
+fn directions_of(text: &str) -> Vec<Option<Vec<f64>>> {
+    let mut directions = Vec::new();
+    let mut rest = text.trim();
+    while !rest.is_empty() {
+        if let Some(after) = rest.strip_prefix("none") {
+            directions.push(None);
+            rest = after.trim_start();
+        } else {
+            let (vector, after) = rest.split_once(')').unwrap_or((rest, ""));
+            directions.push(Some(vector_of(vector)));
+            rest = after.trim_start();
+        }
+    }
+    directions
+}
+
+fn vector_of(text: &str) -> Vec<f64> {
+    let inner = text.trim().trim_start_matches('(').trim_end_matches(')');
+    inner.split(',').map(|v| v.trim().parse().unwrap_or(f64::NAN)).collect()
+}
+
+fn affine(fields: &Fields, axes: &[usize]) -> Result<Option<Affine>, ReadError> {
+    let unit = unit(fields)?;
+    if let Some(text) = fields.get(&["space directions"]) {
+        let columns: Vec<Vec<f64>> = directions_of(text).into_iter().flatten().collect();
+        let origin = fields.get(&["space origin"]).map_or_else(|| vec![0.0; 3], vector_of);
+        if columns.len() < 3 || columns[..3].iter().any(|c| c.len() != 3) || origin.len() != 3 {
+            return Err(error("`space directions` and `space origin` must be vectors of three numbers"));
+        }
+        let linear = std::array::from_fn(|w| std::array::from_fn(|a| columns[a][w]));
+        let affine = Affine { linear, origin: [origin[0], origin[1], origin[2]] }.scaled(unit);
+        return Ok(Some(to_ras(affine, fields.get(&["space"]).unwrap_or_default())?));
+    }
+    let Some(text) = fields.get(&["spacings"]) else { return Ok(None) };
+    let spacings: Vec<f64> =
+        numbers(text).ok_or_else(|| error(format!("`spacings: {text}` cannot be read")))?;
+    match axes.iter().map(|&a| spacings.get(a).map(|s| s * unit)).collect::<Option<Vec<_>>>().as_deref() {
+        Some(&[x, y, z, ..]) => Ok(Some(Affine::diagonal([x, y, z]))),
+        _ => Err(error("`spacings` has fewer values than there are axes")),
+    }
+}
+
+fn to_ras(affine: Affine, space: &str) -> Result<Affine, ReadError> {
+    match space.to_lowercase().as_str() {
+        "left-posterior-superior" | "lps" => Ok(affine.with_lps_swapped()),
+        "left-anterior-superior" | "las" => Ok(mirrored_x(affine)),
+        "right-anterior-superior" | "ras" | "scanner-xyz" | "3d-right-handed" | "" => Ok(affine),
+        "3d-left-handed" => Ok(mirrored_x(affine)),
+        other => Err(error(format!("space `{other}` is not three-dimensional"))),
+    }
+}
+
+fn mirrored_x(mut affine: Affine) -> Affine {
+    affine.linear[0] = affine.linear[0].map(|v| -v);
+    affine.origin[0] = -affine.origin[0];
+    affine
+}
+
+/// mm in the header's unit of length; mm where none is named.
+fn unit(fields: &Fields) -> Result<f64, ReadError> {
+    let Some(text) = fields.get(&["space units", "units"]) else { return Ok(1.0) };
+    let first = text.split('"').find(|t| !t.trim().is_empty()).unwrap_or("mm").trim();
+    match first {
+        "mm" | "millimeter" | "millimeters" | "millimetre" | "???" => Ok(1.0),
+        "um" | "µm" | "μm" | "micron" | "microns" | "micrometer" | "micrometers" => Ok(1e-3),
+        "nm" => Ok(1e-6),
+        "cm" => Ok(10.0),
+        "m" => Ok(1000.0),
+        other => Err(error(format!(
+            "unit `{other}` is not known; give the spacing in mm in a header without units"
+        ))),
+    }
+}
+
+fn data(path: &Path, fields: &Fields, scalar: ScalarType, header_end: u64) -> Result<VoxelData, ReadError> {
+    let encoding = match fields.required("encoding")? {
+        "raw" => Encoding::Raw,
+        "gzip" | "gz" => Encoding::Gzip,
+        "bzip2" | "bz2" => Encoding::Bzip2,
+        other => {
+            return Err(error(format!(
+                "encoding `{other}` is not read; save the image as raw, gzip or bzip2"
+            )));
+        }
+    };
+    if fields.get(&["line skip", "lineskip"]).is_some_and(|v| v != "0") {
+        return Err(error("`line skip` is not supported; save the image without it"));
+    }
+    let skip: i64 = match fields.get(&["byte skip", "byteskip"]) {
+        Some(text) => text.parse().map_err(|_| error(format!("`byte skip: {text}` cannot be read")))?,
+        None => 0,
+    };
+    let detached = fields.get(&["data file", "datafile"]);
+    if detached.is_some_and(|name| name.starts_with("LIST") || name.contains('%')) {
+        return Err(error("one data file a slice; save the image as one .nrrd file"));
+    }
+    let start = if detached.is_some() { 0 } else { header_end };
+    let offset = match (u64::try_from(skip), encoding) {
+        (Ok(skip), _) if encoding == Encoding::Raw || skip == 0 => DataOffset::Stored(start + skip),
+        (Ok(skip), _) if start == 0 => DataOffset::Decoded(skip),
+        (Err(_), Encoding::Raw) => DataOffset::FromEnd,
+        _ => return Err(error(format!("`byte skip: {skip}` with compressed data is not supported"))),
+    };
+    let order = match fields.get(&["endian"]) {
+        Some("big") => ByteOrder::Big,
+        Some("little") => ByteOrder::Little,
+        None if scalar.bytes() == 1 => ByteOrder::Little,
+        _ => return Err(error("no `endian: little` or `endian: big` for voxels of several bytes")),
+    };
+    let path = detached.map_or_else(|| path.to_owned(), |name| beside(path, name));
+    Ok(VoxelData { path, encoding, offset, order, scaling: None })
+}

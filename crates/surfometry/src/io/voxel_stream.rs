@@ -1,0 +1,112 @@
+//! A file's voxels as slabs.
+
+use super::encoding;
+use super::header::ByteOrder;
+use super::{ImageHeader, ReadError, ReadOptions};
+use crate::volume::{Grid, Samples, ScalarType, Slab, SlabReader, VolumeError, slices_a_slab};
+use std::io::Read;
+use std::path::Path;
+
+/// An open image file, read slab by slab.
+pub struct VoxelStream {
+    header: ImageHeader,
+    grid: Grid,
+    voxels: Box<dyn Read + Send>,
+    next_slice: usize,
+    buffer: Vec<u8>,
+}
+
+impl VoxelStream {
+    /// Opens a file of any supported format.
+    ///
+    /// # Errors
+    /// [`ReadError`] for whatever the header alone shows to be wrong.
+    pub fn open(path: &Path, options: ReadOptions) -> Result<Self, ReadError> {
+        let header = super::read_header(path)?;
+        let grid = header.grid(options.spacing)?;
+        let voxels = encoding::open(&header.data, total_bytes(&header))?;
+        Ok(Self { header, grid, voxels, next_slice: 0, buffer: Vec::new() })
+    }
+
+    /// The file's header.
+    pub fn header(&self) -> &ImageHeader {
+        &self.header
+    }
+
+    fn fill(&mut self, bytes: usize) -> Result<(), ReadError> {
+        // Memory grows as data arrive: a header may claim more than the file or the machine holds.
+        self.buffer.clear();
+        let too_large = |_| VolumeError::TooLarge { dimensions: self.header.dimensions };
+        self.buffer.try_reserve_exact(bytes).map_err(too_large)?;
+        let outcome = self.voxels.by_ref().take(bytes as u64).read_to_end(&mut self.buffer);
+        let filled = self.buffer.len();
+        let expected = total_bytes(&self.header);
+        let [nx, ny, _] = self.header.dimensions;
+        let before = (self.next_slice * nx * ny * self.header.scalar.bytes()) as u64;
+        let found = before + filled as u64;
+        match outcome {
+            // Decoders report a stream that stops in its middle as an unexpected end of file.
+            Err(e) if e.kind() == std::io::ErrorKind::UnexpectedEof => {
+                Err(ReadError::Truncated { found, expected })
+            }
+            Err(source) => Err(ReadError::Decompression { found, expected, source }),
+            Ok(_) if filled < bytes => Err(ReadError::Truncated { found, expected }),
+            Ok(_) => Ok(()),
+        }
+    }
+}
+
+fn total_bytes(header: &ImageHeader) -> u64 {
+    header.dimensions.iter().map(|&n| n as u64).product::<u64>() * header.scalar.bytes() as u64
+}
+
+impl SlabReader for VoxelStream {
+    type Error = ReadError;
+
+    fn grid(&self) -> &Grid {
+        &self.grid
+    }
+
+    fn next_slab(&mut self) -> Result<Option<Slab>, ReadError> {
+        let [nx, ny, nz] = self.header.dimensions;
+        let first = self.next_slice;
+        if first == nz {
+            return Ok(None);
+        }
+        let bytes = self.header.scalar.bytes();
+        let last = (first + slices_a_slab(self.header.dimensions, bytes)).min(nz);
+        self.fill((last - first) * nx * ny * bytes)?;
+        let mut samples = decode(self.header.scalar, self.header.data.order, &self.buffer);
+        if let Some((slope, intercept)) = self.header.data.scaling {
+            samples = samples.scaled(slope, intercept);
+        }
+        self.next_slice = last;
+        Ok(Some(Slab { slices: first..last, samples }))
+    }
+}
+
+macro_rules! numbers {
+    ($type:ty, $order:expr, $bytes:expr) => {{
+        let chunks =
+            $bytes.chunks_exact(size_of::<$type>()).map(|c| c.try_into().expect("chunk of the type's size"));
+        match $order {
+            ByteOrder::Little => chunks.map(<$type>::from_le_bytes).collect(),
+            ByteOrder::Big => chunks.map(<$type>::from_be_bytes).collect(),
+        }
+    }};
+}
+
+fn decode(scalar: ScalarType, order: ByteOrder, bytes: &[u8]) -> Samples {
+    match scalar {
+        ScalarType::U8 => Samples::U8(bytes.to_vec()),
+        ScalarType::I8 => Samples::I8(numbers!(i8, order, bytes)),
+        ScalarType::U16 => Samples::U16(numbers!(u16, order, bytes)),
+        ScalarType::I16 => Samples::I16(numbers!(i16, order, bytes)),
+        ScalarType::U32 => Samples::U32(numbers!(u32, order, bytes)),
+        ScalarType::I32 => Samples::I32(numbers!(i32, order, bytes)),
+        ScalarType::U64 => Samples::U64(numbers!(u64, order, bytes)),
+        ScalarType::I64 => Samples::I64(numbers!(i64, order, bytes)),
+        ScalarType::F32 => Samples::F32(numbers!(f32, order, bytes)),
+        ScalarType::F64 => Samples::F64(numbers!(f64, order, bytes)),
+    }
+}

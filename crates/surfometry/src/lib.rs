@@ -1,0 +1,18 @@
+#![doc = include_str!("../README.md")]
+
+pub mod accuracy;
+pub mod embedding;
+pub mod integrals;
+#[cfg(feature = "io")]
+pub mod io;
+
+pub mod local_geometry;
+pub mod measurement;
+pub mod phantoms;
+#[cfg(feature = "io")]
+pub mod runs;
+pub mod tiling;
+pub mod topology;
+pub mod volume;
+
+pub use measurement::Measurement;

@@ -1,0 +1,68 @@
+//! Derivatives of the blurred indicator by convolution with derivatives of the Gaussian.
+
+use super::{BandVoxel, Differentiation, Jet, TileSample, band_indices};
+use crate::embedding::{Embedding, GaussianEmbedding};
+use crate::tiling::{Block, IndexBox};
+
+/// First and second derivatives straight from the mask, without differences.
+///
+/// d(G * I) = (dG) * I holds exactly, so the only errors are the sampling of the kernels (exp(-2 pi^2 sigma^2 / h^2))
+/// and their cut. Accurate from sigma = 1 voxel on, very accurate from 1.5 on (FACTS: van Vliet and Verbeek 1993
+/// advise 2.7 for local curvature).
+#[derive(Debug)]
+pub struct GaussianDerivatives<'a> {
+    embedding: GaussianEmbedding<'a>,
+}
+
+/// Derivative orders along x, y, z of a [`Jet`]'s gradient, then of its Hessian, in its order.
+const ORDERS: [[usize; 3]; 9] =
+    [[1, 0, 0], [0, 1, 0], [0, 0, 1], [2, 0, 0], [0, 2, 0], [0, 0, 2], [1, 1, 0], [1, 0, 1], [0, 1, 1]];
+
+impl<'a> GaussianDerivatives<'a> {
+    /// Derivatives of an embedding.
+    pub fn new(embedding: GaussianEmbedding<'a>) -> Self {
+        Self { embedding }
+    }
+
+    /// Derivatives at the band's voxels, the hull of which is all that is convolved.
+    fn band(&self, phi: &Block<f64>, indices: &[[i64; 3]]) -> Vec<BandVoxel> {
+        let hull = indices.iter().fold(IndexBox::EMPTY, |hull, &i| hull.hull(&IndexBox::voxel(i)));
+        let mut band = Vec::with_capacity(indices.len());
+        let mut rest = indices;
+        let nx = hull.extent()[0];
+        self.embedding.convolution().for_each_slice(self.embedding.mask(), &hull, &ORDERS, |z, planes| {
+            let (slice, others) = rest.split_at(rest.partition_point(|i| i[2] <= z));
+            rest = others;
+            band.extend(slice.iter().map(|&index| {
+                let offset = (index[1] - hull.lower[1]) as usize * nx + (index[0] - hull.lower[0]) as usize;
+                // phi = T - blur, so its derivatives are those of the blur, negated.
+                let derivative = |n: usize| -f64::from(planes[n][offset]);
+                let jet = Jet {
+                    value: phi.get(index),
+                    gradient: std::array::from_fn(derivative),
+                    hessian: std::array::from_fn(|n| derivative(n + 3)),
+                };
+                BandVoxel { index, jet }
+            }));
+        });
+        band
+    }
+}
+
+impl Differentiation for GaussianDerivatives<'_> {
+    fn support(&self, half_width: f64) -> IndexBox {
+        self.embedding.support(half_width)
+    }
+
+    fn sample(&self, tile: &IndexBox, half_width: f64) -> TileSample {
+        if let Some(phi) = self.embedding.constant_on(tile, half_width) {
+            return TileSample::Constant { region: *tile, phi };
+        }
+        let values = self.embedding.evaluate(tile, half_width);
+        let mut phi = Block::filled(*tile, 0.0);
+        phi.values_mut().iter_mut().zip(values.values()).for_each(|(p, &v)| *p = f64::from(v));
+        let indices = band_indices(&phi, half_width);
+        let band = self.band(&phi, &indices);
+        TileSample::Varying { phi, band }
+    }
+}

@@ -1,0 +1,20 @@
+//! A field's value and derivatives at a point.
+
+/// Value, gradient and Hessian of a field at one point (its 2-jet), in mm.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Jet {
+    /// phi.
+    pub value: f64,
+    /// phi_x, phi_y, phi_z, 1/mm.
+    pub gradient: [f64; 3],
+    /// phi_xx, phi_yy, phi_zz, phi_xy, phi_xz, phi_yz, 1/mm^2.
+    pub hessian: [f64; 6],
+}
+
+impl Jet {
+    /// |grad phi|, 1/mm.
+    pub fn gradient_magnitude(&self) -> f64 {
+        let [x, y, z] = self.gradient;
+        libm::sqrt(x * x + y * y + z * z)
+    }
+}

@@ -1,0 +1,285 @@
+//! Parameters -> all stages -> result.
+
+mod parameters;
+mod result;
+mod voxels;
+
+pub use parameters::{Derivatives, EmbeddingKind, MeasureError, Parameters};
+pub use result::{
+    CompensatedValues, GridSummary, Measured, PlainValues, TopologySummary, UncertainValues, VoxelSummary,
+};
+
+use crate::accuracy::{Evidence, Flag, FlagCode, band_variance, compensate, raise_flags};
+use crate::embedding::{DistanceEmbedding, GaussianEmbedding, TRUNCATION};
+use crate::integrals::{Integrals, Quadrature, QuadratureRule, SmearedDelta, Smearing, integrate};
+use crate::local_geometry::{FiniteDifferences, GaussianDerivatives, MINIMUM_POINTS};
+use crate::topology::VoxelTopology;
+use crate::volume::{FieldImage, Mask, Spacing, VolumeError};
+use std::time::Instant;
+
+/// How to measure; the defaults are those of DESIGN.md 3.
+///
+/// ```
+/// use surfometry::Measurement;
+/// let paper = Measurement::paper();
+/// let finer = Measurement::default().sigma_mm(1.0).thickness_mm(2.5);
+/// # let _ = (paper, finer);
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Measurement {
+    pub(crate) embedding: EmbeddingKind,
+    pub(crate) derivatives: Option<Derivatives>,
+    pub(crate) quadrature: QuadratureRule,
+    pub(crate) delta: Smearing,
+    pub(crate) sigma: Option<f64>,
+    pub(crate) thickness: Option<f64>,
+    pub(crate) epsilon: Option<f64>,
+    pub(crate) level: f64,
+    truncation: f64,
+}
+
+impl Default for Measurement {
+    fn default() -> Self {
+        Self {
+            embedding: EmbeddingKind::Gaussian,
+            derivatives: None,
+            quadrature: QuadratureRule::Sum,
+            delta: Smearing::Sine,
+            sigma: None,
+            thickness: None,
+            epsilon: None,
+            level: 0.5,
+            truncation: TRUNCATION,
+        }
+    }
+}
+
+/// Setters, each of which gives back the measurement, so that they can be chained.
+impl Measurement {
+    /// The paper's choices: fourth-order differences, Simpson's rule, sigma 2.0 mm, t 2.5 mm, level 0.5, sine.
+    #[must_use]
+    pub fn paper() -> Self {
+        Self { quadrature: QuadratureRule::Simpson, ..Self::default() }
+            .derivatives(Derivatives::FiniteDifference)
+            .sigma_mm(2.0)
+            .thickness_mm(2.5)
+    }
+
+    /// Standard deviation of the blur in mm; automatic if not set.
+    #[must_use]
+    pub fn sigma_mm(self, sigma: f64) -> Self {
+        Self { sigma: Some(sigma), ..self }
+    }
+
+    /// Standard deviation of the blur in mm, or automatic again.
+    #[must_use]
+    pub fn sigma_or_auto(self, sigma: Option<f64>) -> Self {
+        Self { sigma, ..self }
+    }
+
+    /// Thickness t of the band in mm; automatic if not set.
+    #[must_use]
+    pub fn thickness_mm(self, thickness: f64) -> Self {
+        Self { thickness: Some(thickness), ..self }
+    }
+
+    /// Thickness t of the band in mm, or automatic again.
+    #[must_use]
+    pub fn thickness_or_auto(self, thickness: Option<f64>) -> Self {
+        Self { thickness, ..self }
+    }
+
+    /// Half-width of the delta in units of phi, instead of a thickness.
+    #[must_use]
+    pub fn epsilon(self, epsilon: f64) -> Self {
+        Self { epsilon: Some(epsilon), ..self }
+    }
+
+    /// Level T of the blurred indicator that is the surface, between 0 and 1.
+    #[must_use]
+    pub fn level(self, level: f64) -> Self {
+        Self { level, ..self }
+    }
+
+    /// How an object becomes a field.
+    #[must_use]
+    pub fn embedding(self, embedding: EmbeddingKind) -> Self {
+        Self { embedding, ..self }
+    }
+
+    /// How the field is differentiated; by default with Gaussian derivatives for the Gaussian embedding and with
+    /// finite differences for the others.
+    #[must_use]
+    pub fn derivatives(self, derivatives: Derivatives) -> Self {
+        Self { derivatives: Some(derivatives), ..self }
+    }
+
+    /// How band voxels are summed.
+    #[must_use]
+    pub fn quadrature(self, quadrature: QuadratureRule) -> Self {
+        Self { quadrature, ..self }
+    }
+
+    /// Profile of the delta.
+    #[must_use]
+    pub fn delta(self, delta: Smearing) -> Self {
+        Self { delta, ..self }
+    }
+
+    /// Cuts Gaussian kernels at another number of sigma than [`TRUNCATION`].
+    #[must_use]
+    pub fn truncation(self, truncation: f64) -> Self {
+        Self { truncation, ..self }
+    }
+
+    /// Measures one object.
+    ///
+    /// # Errors
+    /// [`MeasureError`] for an empty mask or parameters that make no sense. An object that the blur removes is no
+    /// error: its numbers are `None`, under the flag `surface-vanished`.
+    pub fn run(&self, mask: &Mask) -> Result<Measured, MeasureError> {
+        let start = Instant::now();
+        let spacing = mask.grid().spacing();
+        let parameters = self.parameters(spacing)?;
+        if mask.is_empty() {
+            return Err(VolumeError::NoForeground.into());
+        }
+        let delta = SmearedDelta::new(self.delta, parameters.epsilon, parameters.saturation());
+        let quadrature = Quadrature::unbounded(self.quadrature);
+        let integrals = match parameters.sigma_mm {
+            Some(sigma) if vanishes_for_certain(mask, sigma, self.level) => None,
+            Some(sigma) => {
+                let embedding = GaussianEmbedding::new(mask, sigma, self.level, self.truncation);
+                Some(match parameters.derivatives {
+                    Derivatives::Gaussian => {
+                        integrate(&GaussianDerivatives::new(embedding), &delta, &quadrature, spacing)
+                    }
+                    Derivatives::FiniteDifference => integrate(
+                        &FiniteDifferences::new(embedding, spacing.mm()),
+                        &delta,
+                        &quadrature,
+                        spacing,
+                    ),
+                })
+            }
+            None => {
+                let scheme = FiniteDifferences::new(DistanceEmbedding::new(mask), spacing.mm());
+                Some(integrate(&scheme, &delta, &quadrature, spacing))
+            }
+        };
+        Ok(self.conclude(mask, parameters, &delta, integrals, start))
+    }
+
+    /// Measures the level set phi = 0 of a field that is an embedding already.
+    ///
+    /// # Errors
+    /// [`MeasureError`] for parameters that make no sense, a field without negative voxels, or one of fewer than six
+    /// voxels along an axis.
+    pub fn run_field(&self, field: &FieldImage) -> Result<Measured, MeasureError> {
+        let start = Instant::now();
+        let measurement = Self { embedding: EmbeddingKind::Given, ..*self };
+        let grid = field.grid();
+        let spacing = grid.spacing();
+        if let Some(axis) = grid.dimensions().iter().position(|&n| n < MINIMUM_POINTS) {
+            return Err(MeasureError::FieldTooSmall { axis, voxels: grid.dimensions()[axis] });
+        }
+        let mut parameters = measurement.parameters(spacing)?;
+        let mask = field.inside();
+        if mask.is_empty() {
+            return Err(VolumeError::NothingInside.into());
+        }
+        let scheme = FiniteDifferences::new(field, spacing.mm());
+        if let Some(thickness) = parameters.thickness_mm {
+            // A band of thickness t spans t |grad phi| in units of phi.
+            let gradient = scheme.gradient_at_surface(&mask).filter(|&g| g > 0.0);
+            parameters.epsilon = thickness / 2.0 * gradient.ok_or(MeasureError::FlatField)?;
+        }
+        let delta = SmearedDelta::new(measurement.delta, parameters.epsilon, f64::INFINITY);
+        let quadrature = Quadrature::bounded(measurement.quadrature, grid.dimensions());
+        let integrals = integrate(&scheme, &delta, &quadrature, spacing);
+        Ok(measurement.conclude(&mask, parameters, &delta, Some(integrals), start))
+    }
+
+    fn conclude(
+        &self,
+        mask: &Mask,
+        parameters: Parameters,
+        delta: &SmearedDelta,
+        integrals: Option<Integrals>,
+        start: Instant,
+    ) -> Measured {
+        let surviving = integrals.filter(|i| i.inside_voxels > 0 && i.surface.area > 0.0);
+        let compensated = parameters
+            .compensable_sigma()
+            .zip(surviving)
+            .map(|(sigma, integrals)| compensate(&integrals, sigma, band_variance(sigma, delta)));
+        let seconds = start.elapsed().as_secs_f64();
+        let topology = VoxelTopology::of(mask);
+        let voxels = VoxelSummary::of(mask);
+        let plain = surviving.map_or_else(PlainValues::default, |i| PlainValues::of(&i));
+        let evidence = Evidence {
+            spacing: mask.grid().spacing(),
+            sigma: parameters.sigma_mm,
+            thickness: parameters.thickness_mm,
+            half_width: delta.half_width(),
+            saturation: parameters.saturation(),
+            voxel_volume: voxels.volume_mm3,
+            voxel_euler: topology.euler_characteristic_26,
+            compensated_volume: compensated.map(|c| c.volume),
+            plain: surviving.map(|i| (i.volume, i.surface.area, i.surface.gaussian / std::f64::consts::TAU)),
+            voxels_without_normal: integrals.map_or(0, |i| i.voxels_without_normal),
+        };
+        let mut flags = self.parameter_flags(mask, surviving.is_some(), &parameters);
+        flags.extend(raise_flags(&evidence));
+        flags.push(Flag::new(FlagCode::NotComputed, result::NOT_COMPUTED));
+        Measured {
+            plain,
+            compensated: compensated.map_or_else(UncertainValues::default, |c| UncertainValues::of(&c)),
+            grid_noise: PlainValues::default(),
+            voxels,
+            topology: TopologySummary::of(&topology),
+            truth: None,
+            parameters,
+            grid: GridSummary::of(mask.grid()),
+            flags,
+            read_seconds: None,
+            seconds,
+        }
+    }
+
+    fn parameter_flags(&self, mask: &Mask, survives: bool, parameters: &Parameters) -> Vec<Flag> {
+        let mut flags = Vec::new();
+        let given = self.embedding == EmbeddingKind::Given;
+        if mask.touches_border() && given {
+            flags.push(Flag::new(FlagCode::SurfaceLeavesField, "the inside reaches the edge of the field, where its surface is left open: area and curvature miss that part and chi has no boundary term"));
+        } else if mask.touches_border() {
+            flags.push(Flag::new(FlagCode::TouchesBorder, "the object reaches the edge of the image and is closed there with a flat cap, which counts in volume, area and curvature"));
+        }
+        if !survives {
+            flags.push(Flag::new(FlagCode::SurfaceVanished, "nothing is left of the object at this sigma and level, so its integrals are null; use a smaller --sigma"));
+        }
+        if self.embedding == EmbeddingKind::Distance {
+            flags.push(Flag::new(FlagCode::DistanceQuantised, "distances between voxels are quantised: curvature and Euler characteristic of this embedding are noise (Besler et al.); use --embedding gaussian"));
+        }
+        if parameters.compensable_sigma().is_none() {
+            flags.push(Flag::new(FlagCode::CompensationUndefined, "compensation is defined for the Gaussian embedding at level 0.5 only, so `compensated` is null"));
+        }
+        flags
+    }
+
+    fn parameters(&self, spacing: Spacing) -> Result<Parameters, MeasureError> {
+        Parameters::resolve(self, spacing)
+    }
+}
+
+/// Whether the blurred indicator stays below the level everywhere: it is at most that of the bounding box, whose
+/// maximum is a product of error functions. Spares the convolution with absurdly wide kernels.
+fn vanishes_for_certain(mask: &Mask, sigma: f64, level: f64) -> bool {
+    let spacing = mask.grid().spacing().mm();
+    let extent = mask.bounds().extent();
+    let reach =
+        |a: usize| libm::erf(extent[a] as f64 * spacing[a] / (2.0 * std::f64::consts::SQRT_2 * sigma));
+    // Sampled kernels deviate from the integral by less than this at any ratio of sigma to spacing.
+    const SAMPLING: f64 = 0.05;
+    (0..3).map(|a| (reach(a) + SAMPLING).min(1.0)).product::<f64>() < level
+}

@@ -1,0 +1,185 @@
+//! What a measurement gives; names and units as in the JSON contract (DESIGN.md 4).
+
+use super::Parameters;
+use crate::accuracy::{CompensatedIntegrals, Flag};
+use crate::integrals::Integrals;
+use crate::phantoms::Truth;
+use crate::topology::VoxelTopology;
+use crate::volume::Grid;
+use serde::Serialize;
+use std::f64::consts::TAU;
+
+/// Fields that stay null in this version.
+pub(super) const NOT_COMPUTED: &str = "not computed by this version, hence null: compensated.standard_error, grid_noise, topology.euler_characteristic_mesh";
+
+/// All results for one object. `None` is a number that could not be had; a flag says why.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Measured {
+    /// Of the blurred object.
+    #[serde(flatten)]
+    pub plain: PlainValues,
+    /// Of the original object.
+    pub compensated: UncertainValues,
+    /// Spread of the plain values over sub-voxel shifts.
+    pub grid_noise: PlainValues,
+    /// Counted voxels.
+    pub voxels: VoxelSummary,
+    /// Exact topology.
+    pub topology: TopologySummary,
+    /// Exact integrals, for phantoms.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub truth: Option<Truth>,
+    /// The choices behind the numbers.
+    pub parameters: Parameters,
+    /// The image.
+    pub grid: GridSummary,
+    /// Warnings.
+    pub flags: Vec<Flag>,
+    /// Time to read and decode the input, s.
+    pub read_seconds: Option<f64>,
+    /// Time from the decoded labels to all integrals, s.
+    pub seconds: f64,
+}
+
+impl std::ops::Deref for Measured {
+    type Target = PlainValues;
+
+    fn deref(&self) -> &PlainValues {
+        &self.plain
+    }
+}
+
+/// Integrals over an object and its surface.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
+pub struct PlainValues {
+    /// V.
+    pub volume_mm3: Option<f64>,
+    /// A.
+    pub surface_area_mm2: Option<f64>,
+    /// M, the integral of H.
+    pub total_mean_curvature_mm: Option<f64>,
+    /// M / A, the paper's <H>.
+    pub average_mean_curvature_per_mm: Option<f64>,
+    /// The integral of K.
+    pub total_gaussian_curvature: Option<f64>,
+    /// The integral of K over 2 pi: a real number, not rounded.
+    pub euler_characteristic: Option<f64>,
+    /// The integral of H^2.
+    pub total_squared_mean_curvature: Option<f64>,
+}
+
+impl PlainValues {
+    pub(super) fn of(integrals: &Integrals) -> Self {
+        let surface = &integrals.surface;
+        Self {
+            volume_mm3: Some(integrals.volume),
+            surface_area_mm2: Some(surface.area),
+            total_mean_curvature_mm: Some(surface.mean),
+            average_mean_curvature_per_mm: Some(surface.mean / surface.area),
+            total_gaussian_curvature: Some(surface.gaussian),
+            euler_characteristic: Some(surface.gaussian / TAU),
+            total_squared_mean_curvature: Some(surface.mean_squared),
+        }
+    }
+}
+
+/// The integrals that can be compensated.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
+pub struct CompensatedValues {
+    /// V.
+    pub volume_mm3: Option<f64>,
+    /// A.
+    pub surface_area_mm2: Option<f64>,
+    /// M, the integral of H.
+    pub total_mean_curvature_mm: Option<f64>,
+    /// M / A.
+    pub average_mean_curvature_per_mm: Option<f64>,
+}
+
+/// Compensated integrals and their standard errors.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
+pub struct UncertainValues {
+    /// The values.
+    #[serde(flatten)]
+    pub values: CompensatedValues,
+    /// Their standard errors.
+    pub standard_error: CompensatedValues,
+}
+
+impl UncertainValues {
+    pub(super) fn of(c: &CompensatedIntegrals) -> Self {
+        let values = CompensatedValues {
+            volume_mm3: Some(c.volume),
+            surface_area_mm2: Some(c.area),
+            total_mean_curvature_mm: Some(c.mean),
+            average_mean_curvature_per_mm: Some(c.mean / c.area),
+        };
+        Self { values, standard_error: CompensatedValues::default() }
+    }
+}
+
+impl std::ops::Deref for UncertainValues {
+    type Target = CompensatedValues;
+
+    fn deref(&self) -> &CompensatedValues {
+        &self.values
+    }
+}
+
+/// What counting voxels gives.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct VoxelSummary {
+    /// Number of voxels.
+    pub count: u64,
+    /// Their volume.
+    pub volume_mm3: f64,
+    /// Their mean position in the world (RAS), mm.
+    pub centroid_mm: [f64; 3],
+    /// First and last voxel index (x, y, z) along each axis, both inclusive.
+    pub bounding_box: [[i64; 3]; 2],
+}
+
+/// Topology of surface and voxels.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+pub struct TopologySummary {
+    /// V - E + F of the surface phi = 0.
+    pub euler_characteristic_mesh: Option<i64>,
+    /// Of the voxels' surface, 26-connected foreground.
+    pub euler_characteristic_voxels_26: i64,
+    /// Of the voxels' surface, 6-connected foreground.
+    pub euler_characteristic_voxels_6: i64,
+    /// 26-connected pieces.
+    pub components: u64,
+    /// Enclosed 6-connected pieces of background.
+    pub cavities: u64,
+    /// components + cavities - chi_26 / 2.
+    pub handles: i64,
+}
+
+impl TopologySummary {
+    pub(super) fn of(topology: &VoxelTopology) -> Self {
+        Self {
+            euler_characteristic_mesh: None,
+            euler_characteristic_voxels_26: topology.euler_characteristic_26,
+            euler_characteristic_voxels_6: topology.euler_characteristic_6,
+            components: topology.components,
+            cavities: topology.cavities,
+            handles: topology.handles,
+        }
+    }
+}
+
+/// The image that an object lies in.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct GridSummary {
+    /// Voxels along x, y, z.
+    pub dimensions: [usize; 3],
+    /// Spacing along x, y, z.
+    pub spacing_mm: [f64; 3],
+}
+
+impl GridSummary {
+    pub(super) fn of(grid: &Grid) -> Self {
+        Self { dimensions: grid.dimensions(), spacing_mm: grid.spacing().mm() }
+    }
+}

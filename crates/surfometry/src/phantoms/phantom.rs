@@ -1,0 +1,104 @@
+//! A shape in a pose, sampled on a grid.
+
+use super::{Pose, Shape, Truth};
+use crate::volume::slices_a_slab;
+use crate::volume::{Affine, Grid, LabelImage, Samples, Slab, SlabReader, VolumeError};
+
+/// Background voxels around a phantom.
+const MARGIN: usize = 2;
+
+/// A shape, where it lies, and the spacing of the grid that it is sampled on.
+pub struct Phantom {
+    shape: Box<dyn Shape>,
+    pose: Pose,
+    grid: Grid,
+}
+
+impl Phantom {
+    /// A phantom on a grid just large enough; the world's origin is the middle of the grid.
+    ///
+    /// # Errors
+    /// [`VolumeError`] for a bad spacing or a grid that is too large.
+    pub fn new(shape: impl Shape + 'static, pose: Pose, spacing: [f64; 3]) -> Result<Self, VolumeError> {
+        Self::boxed(Box::new(shape), pose, spacing)
+    }
+
+    pub(super) fn boxed(shape: Box<dyn Shape>, pose: Pose, spacing: [f64; 3]) -> Result<Self, VolumeError> {
+        let half = pose.half_extent(shape.half_extent());
+        let reach: [f64; 3] = std::array::from_fn(|a| half[a] + pose.shift()[a].abs());
+        crate::volume::Spacing::new(spacing)?;
+        let dimensions: [usize; 3] =
+            std::array::from_fn(|a| (2.0 * reach[a] / spacing[a]).ceil() as usize + 1 + 2 * MARGIN);
+        let mut affine = Affine::diagonal(spacing);
+        affine.origin = std::array::from_fn(|a| -0.5 * (dimensions[a] - 1) as f64 * spacing[a]);
+        Ok(Self { shape, pose, grid: Grid::new(dimensions, affine)? })
+    }
+
+    /// Exact integrals; `None` where their quadrature did not converge.
+    pub fn truth(&self) -> Option<Truth> {
+        self.shape.truth()
+    }
+
+    /// The shape, in its own frame.
+    pub fn shape(&self) -> &dyn Shape {
+        &*self.shape
+    }
+
+    /// Where it lies.
+    pub fn pose(&self) -> &Pose {
+        &self.pose
+    }
+
+    /// The grid.
+    pub fn grid(&self) -> &Grid {
+        &self.grid
+    }
+
+    /// The label image: 1 where a voxel's centre lies inside.
+    ///
+    /// # Errors
+    /// [`VolumeError::TooLarge`] where memory does not suffice.
+    pub fn labels(&self) -> Result<LabelImage, VolumeError> {
+        LabelImage::from_slabs(&mut self.slabs())
+    }
+
+    /// The label image as a stream of slabs.
+    pub fn slabs(&self) -> PhantomSlabs<'_> {
+        PhantomSlabs { phantom: self, next_slice: 0 }
+    }
+
+    fn slice(&self, z: usize, voxels: &mut Vec<u8>) {
+        let [nx, ny, _] = self.grid.dimensions();
+        for (x, y) in (0..ny).flat_map(|y| (0..nx).map(move |x| (x, y))) {
+            let world = self.grid.affine().apply([x, y, z].map(|i| i as f64));
+            voxels.push(u8::from(self.shape.value(self.pose.to_shape(world)) < 0.0));
+        }
+    }
+}
+
+/// A phantom's voxels, slab by slab, as a file would yield them.
+pub struct PhantomSlabs<'a> {
+    phantom: &'a Phantom,
+    next_slice: usize,
+}
+
+impl SlabReader for PhantomSlabs<'_> {
+    type Error = VolumeError;
+
+    fn grid(&self) -> &Grid {
+        &self.phantom.grid
+    }
+
+    fn next_slab(&mut self) -> Result<Option<Slab>, VolumeError> {
+        let dimensions = self.phantom.grid.dimensions();
+        let first = self.next_slice;
+        if first == dimensions[2] {
+            return Ok(None);
+        }
+        let last = (first + slices_a_slab(dimensions, 1)).min(dimensions[2]);
+        let mut voxels = Vec::with_capacity(dimensions[0] * dimensions[1] * (last - first));
+        (first..last).for_each(|z| self.phantom.slice(z, &mut voxels));
+        self.next_slice = last;
+        Ok(Some(Slab { slices: first..last, samples: Samples::U8(voxels) }))
+    }
+}

@@ -1,0 +1,78 @@
+//! Nested records as rows of a table: for CSV, Parquet and data frames.
+
+use serde_json::{Map, Value};
+
+/// Names of a list's entries: positions, or the two ends of a box.
+const AXES: [&str; 3] = ["x", "y", "z"];
+const ENDS: [&str; 2] = ["min", "max"];
+
+/// Nested keys joined by `_`; vectors as `_x`, `_y`, `_z`, boxes as `_min_x` .. `_max_z`; flags as their codes joined
+/// by `;`.
+pub fn flatten(record: &Value) -> Map<String, Value> {
+    let mut row = Map::new();
+    add(&mut row, "", record);
+    row
+}
+
+fn add(row: &mut Map<String, Value>, key: &str, value: &Value) {
+    let join = |part: &str| if key.is_empty() { part.to_owned() } else { format!("{key}_{part}") };
+    match value {
+        Value::Object(fields) => fields.iter().for_each(|(name, v)| add(row, &join(name), v)),
+        Value::Array(flags) if key == "flags" => {
+            let codes: Vec<&str> = flags.iter().filter_map(|f| f["code"].as_str()).collect();
+            row.insert(key.to_owned(), codes.join(";").into());
+        }
+        Value::Array(list) => {
+            let names: &[&str] = if list.iter().any(Value::is_array) { &ENDS } else { &AXES };
+            list.iter().zip(names).for_each(|(v, name)| add(row, &join(name), v));
+        }
+        plain => {
+            row.insert(key.to_owned(), plain.clone());
+        }
+    }
+}
+
+/// All columns in order of first appearance, and each row's values, null where a row lacks a column.
+pub fn columns_and_rows(records: &[Value]) -> (Vec<String>, Vec<Vec<Value>>) {
+    let rows: Vec<Map<String, Value>> = records.iter().map(flatten).collect();
+    let mut columns: Vec<String> = Vec::new();
+    for row in &rows {
+        for (position, key) in row.keys().enumerate() {
+            if !columns.contains(key) {
+                // Beside its neighbours, so that optional fields do not end up last.
+                columns.insert(position.min(columns.len()), key.clone());
+            }
+        }
+    }
+    let values = |row: &Map<String, Value>| {
+        columns.iter().map(|c| row.get(c).cloned().unwrap_or(Value::Null)).collect()
+    };
+    let rows = rows.iter().map(values).collect();
+    (columns, rows)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::json;
+
+    #[test]
+    fn nested_fields_become_columns() {
+        let row = flatten(&json!({
+            "label": 1, "voxels": {"centroid_mm": [1.5, 2.0, 3.0], "bounding_box": [[0, 1, 2], [3, 4, 5]]},
+            "flags": [{"code": "a", "message": ""}, {"code": "b", "message": ""}], "none": null
+        }));
+        assert_eq!(row["voxels_centroid_mm_y"], 2.0);
+        assert_eq!(row["voxels_bounding_box_min_x"], 0);
+        assert_eq!(row["voxels_bounding_box_max_z"], 5);
+        assert_eq!(row["flags"], "a;b");
+        assert!(row["none"].is_null());
+    }
+
+    #[test]
+    fn rows_share_columns() {
+        let (columns, rows) = columns_and_rows(&[json!({"a": 1, "c": 3}), json!({"a": 1, "b": 2, "c": 3})]);
+        assert_eq!(columns, ["a", "b", "c"]);
+        assert_eq!(rows[0], [json!(1), Value::Null, json!(3)]);
+    }
+}

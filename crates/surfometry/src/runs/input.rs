@@ -1,0 +1,160 @@
+//! One input: a file or a phantom.
+
+use super::Record;
+use crate::accuracy::{Flag, FlagCode};
+use crate::io::{ImageHeader, ReadError, ReadOptions, VoxelStream, read_field};
+use crate::measurement::{EmbeddingKind, MeasureError, Measured, Measurement};
+use crate::phantoms::{ParsePhantomError, Phantom, Truth};
+use crate::volume::{LabelGroup, LabelImage, LabelSelection, VolumeError};
+use std::path::Path;
+use std::time::Instant;
+use thiserror::Error;
+
+/// Why an input could not be measured.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum InputError {
+    /// The file.
+    #[error(transparent)]
+    Read(#[from] ReadError),
+    /// The phantom.
+    #[error(transparent)]
+    Phantom(#[from] ParsePhantomError),
+    /// The measurement.
+    #[error(transparent)]
+    Measure(#[from] MeasureError),
+    /// An option that the input cannot take.
+    #[error("{0}")]
+    Unfit(&'static str),
+}
+
+impl From<VolumeError> for InputError {
+    fn from(error: VolumeError) -> Self {
+        Self::Read(error.into())
+    }
+}
+
+/// What is asked of every input.
+#[derive(Debug, Clone, Default)]
+pub struct InputOptions {
+    /// Which labels.
+    pub labels: LabelSelection,
+    /// Spacing in mm that replaces or supplies the file's.
+    pub spacing: Option<[f64; 3]>,
+}
+
+/// An opened label input.
+pub struct LabelInput {
+    /// The labels.
+    pub image: LabelImage,
+    /// The header, for files.
+    pub header: Option<ImageHeader>,
+    /// Exact integrals, for phantoms.
+    pub truth: Option<Truth>,
+    /// Warnings that come with the input.
+    pub flags: Vec<Flag>,
+    /// Time to read and decode, s.
+    pub read_seconds: f64,
+}
+
+/// Opens `phantom:...` or a file; both come as slabs.
+///
+/// # Errors
+/// [`InputError`].
+pub fn open_labels(input: &str, spacing: Option<[f64; 3]>) -> Result<LabelInput, InputError> {
+    let start = Instant::now();
+    if Phantom::is_spec(input) {
+        if spacing.is_some() {
+            return Err(InputError::Unfit(
+                "a phantom's spacing is part of its name: phantom:NAME?spacing=x,y,z",
+            ));
+        }
+        let phantom = Phantom::from_spec(input)?;
+        let image = phantom.labels()?;
+        let read_seconds = start.elapsed().as_secs_f64();
+        let truth = phantom.truth();
+        let unknown =
+            "the phantom's exact integrals did not converge: the shape is too fine for its period and size";
+        let flags =
+            if truth.is_none() { vec![Flag::new(FlagCode::TruthNotConverged, unknown)] } else { Vec::new() };
+        return Ok(LabelInput { image, header: None, truth, flags, read_seconds });
+    }
+    let mut stream = VoxelStream::open(Path::new(input), ReadOptions { spacing })?;
+    let image = LabelImage::from_slabs(&mut stream)?;
+    let header = stream.header().clone();
+    let flags = conflict_flag(&header, spacing).into_iter().collect();
+    let read_seconds = start.elapsed().as_secs_f64();
+    Ok(LabelInput { image, header: Some(header), truth: None, flags, read_seconds })
+}
+
+fn conflict_flag(header: &ImageHeader, spacing: Option<[f64; 3]>) -> Option<Flag> {
+    let (affine, other) = (header.affine.filter(|_| spacing.is_none())?, header.other_spacing?);
+    let used = affine.column_lengths();
+    let message = format!(
+        "the header's affine says spacing {used:?} mm, its pixdim {other:?} mm; the affine is used: check which is \
+         right, and override with --spacing X,Y,Z"
+    );
+    Some(Flag::new(FlagCode::SpacingConflict, message))
+}
+
+/// Measures every selected object of an input; `progress` is told how many are done, of how many.
+///
+/// # Errors
+/// [`InputError`]; nothing of the input is reported then.
+pub fn measure_input(
+    input: &str,
+    measurement: &Measurement,
+    options: &InputOptions,
+    mut progress: impl FnMut(usize, usize),
+) -> Result<Vec<Record>, InputError> {
+    if measurement.embedding == EmbeddingKind::Given {
+        return measure_field(input, measurement, options);
+    }
+    let source = open_labels(input, options.spacing)?;
+    let groups = options.labels.resolve(&source.image)?;
+    let total = groups.len();
+    let mut records = Vec::with_capacity(total);
+    for (number, group) in groups.into_iter().enumerate() {
+        progress(number, total);
+        let measured = measure_group(&source, &group, measurement)?;
+        records.push(Record { input: input.to_owned(), label: Some(group), name: None, measured });
+    }
+    Ok(records)
+}
+
+fn measure_group(
+    source: &LabelInput,
+    group: &LabelGroup,
+    measurement: &Measurement,
+) -> Result<Measured, InputError> {
+    let start = Instant::now();
+    let mask = source.image.group_mask(group);
+    let extraction = start.elapsed().as_secs_f64();
+    let mut measured = measurement.run(&mask)?;
+    measured.seconds += extraction;
+    measured.read_seconds = Some(source.read_seconds);
+    measured.truth = source.truth;
+    measured.flags.splice(0..0, source.flags.iter().cloned());
+    Ok(measured)
+}
+
+fn measure_field(
+    input: &str,
+    measurement: &Measurement,
+    options: &InputOptions,
+) -> Result<Vec<Record>, InputError> {
+    if Phantom::is_spec(input) {
+        return Err(InputError::Unfit(
+            "a phantom is a label image; --embedding given wants a file that holds a field",
+        ));
+    }
+    if options.labels != LabelSelection::All {
+        return Err(InputError::Unfit("a field has no labels: leave --label out with --embedding given"));
+    }
+    let start = Instant::now();
+    let field = read_field(input, ReadOptions { spacing: options.spacing })?;
+    let read_seconds = start.elapsed().as_secs_f64();
+    let mut measured = measurement.run_field(&field)?;
+    measured.read_seconds = Some(read_seconds);
+    Ok(vec![Record { input: input.to_owned(), label: None, name: None, measured }])
+}

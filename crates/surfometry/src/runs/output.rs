@@ -1,0 +1,51 @@
+//! The document that a run writes.
+
+use crate::measurement::Measured;
+use crate::volume::LabelGroup;
+use serde::Serialize;
+
+/// Name and version of the format.
+pub const SCHEMA: &str = "surfometry.measure/1";
+
+/// Results and failures of a run (DESIGN.md 4).
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Output {
+    /// [`SCHEMA`].
+    pub schema: &'static str,
+    /// Version of surfometry.
+    pub version: &'static str,
+    /// One record an object.
+    pub results: Vec<Record>,
+    /// Inputs that could not be measured.
+    pub failures: Vec<Failure>,
+}
+
+impl Output {
+    /// A document.
+    pub fn new(results: Vec<Record>, failures: Vec<Failure>) -> Self {
+        Self { schema: SCHEMA, version: env!("CARGO_PKG_VERSION"), results, failures }
+    }
+}
+
+/// One object's results.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Record {
+    /// The input as named.
+    pub input: String,
+    /// Label, or labels that were united; `None` for a field, which has none.
+    pub label: Option<LabelGroup>,
+    /// The label's name, where a file holds one.
+    pub name: Option<String>,
+    /// The results.
+    #[serde(flatten)]
+    pub measured: Measured,
+}
+
+/// An input that could not be measured.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct Failure {
+    /// The input as named.
+    pub input: String,
+    /// Cause and cure.
+    pub error: String,
+}

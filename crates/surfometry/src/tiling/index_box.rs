@@ -1,0 +1,140 @@
+//! Boxes of voxel indices.
+
+/// A half-open box of voxel indices, x first. Indices may be negative: a halo reaches beyond the image.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct IndexBox {
+    /// First index along each axis.
+    pub lower: [i64; 3],
+    /// One past the last index along each axis.
+    pub upper: [i64; 3],
+}
+
+impl IndexBox {
+    /// The box without voxels.
+    pub const EMPTY: Self = Self { lower: [0; 3], upper: [0; 3] };
+
+    /// A box; empty where an upper end does not exceed the lower.
+    pub fn new(lower: [i64; 3], upper: [i64; 3]) -> Self {
+        let full = (0..3).all(|a| lower[a] < upper[a]);
+        if full { Self { lower, upper } } else { Self::EMPTY }
+    }
+
+    /// All indices of an image.
+    pub fn from_dimensions(dimensions: [usize; 3]) -> Self {
+        Self::new([0; 3], dimensions.map(|n| n as i64))
+    }
+
+    /// The box of one voxel.
+    pub fn voxel(index: [i64; 3]) -> Self {
+        Self::new(index, index.map(|i| i + 1))
+    }
+
+    /// Whether it has no voxel.
+    pub fn is_empty(&self) -> bool {
+        *self == Self::EMPTY
+    }
+
+    /// Voxels along each axis.
+    pub fn extent(&self) -> [usize; 3] {
+        std::array::from_fn(|a| (self.upper[a] - self.lower[a]) as usize)
+    }
+
+    /// Number of voxels.
+    pub fn voxels(&self) -> usize {
+        self.extent().iter().product()
+    }
+
+    /// Whether an index lies in it.
+    pub fn contains(&self, index: [i64; 3]) -> bool {
+        (0..3).all(|a| (self.lower[a]..self.upper[a]).contains(&index[a]))
+    }
+
+    /// The box with a halo on both sides of each axis; an empty box stays empty.
+    #[must_use]
+    pub fn grown(&self, halo: [i64; 3]) -> Self {
+        if self.is_empty() {
+            return Self::EMPTY;
+        }
+        Self::new(
+            std::array::from_fn(|a| self.lower[a] - halo[a]),
+            std::array::from_fn(|a| self.upper[a] + halo[a]),
+        )
+    }
+
+    /// What two boxes share.
+    #[must_use]
+    pub fn intersection(&self, other: &Self) -> Self {
+        Self::new(
+            std::array::from_fn(|a| self.lower[a].max(other.lower[a])),
+            std::array::from_fn(|a| self.upper[a].min(other.upper[a])),
+        )
+    }
+
+    /// The smallest box around two.
+    #[must_use]
+    pub fn hull(&self, other: &Self) -> Self {
+        match (self.is_empty(), other.is_empty()) {
+            (true, _) => *other,
+            (_, true) => *self,
+            _ => Self::new(
+                std::array::from_fn(|a| self.lower[a].min(other.lower[a])),
+                std::array::from_fn(|a| self.upper[a].max(other.upper[a])),
+            ),
+        }
+    }
+
+    /// The (y, z) of every row, y fastest.
+    pub fn rows(&self) -> impl Iterator<Item = (i64, i64)> + use<> {
+        let Self { lower, upper } = *self;
+        (lower[2]..upper[2]).flat_map(move |z| (lower[1]..upper[1]).map(move |y| (y, z)))
+    }
+
+    /// The box cut at multiples of `edge` (image index 0 is such a multiple), in order of z, y, x.
+    pub fn tiles(&self, edge: i64) -> Vec<Self> {
+        let cuts = |a: usize| {
+            let first = self.lower[a].div_euclid(edge);
+            let last = (self.upper[a] - 1).div_euclid(edge);
+            (first..=last).map(move |n| (n * edge, (n + 1) * edge)).collect::<Vec<_>>()
+        };
+        if self.is_empty() {
+            return Vec::new();
+        }
+        let (xs, ys, zs) = (cuts(0), cuts(1), cuts(2));
+        let mut tiles = Vec::with_capacity(xs.len() * ys.len() * zs.len());
+        for z in &zs {
+            for y in &ys {
+                for x in &xs {
+                    tiles.push(Self::new([x.0, y.0, z.0], [x.1, y.1, z.1]).intersection(self));
+                }
+            }
+        }
+        tiles
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn tiles_cover_once_and_start_at_multiples() {
+        let whole = IndexBox::new([-70, 3, 64], [10, 130, 65]);
+        let tiles = whole.tiles(64);
+        assert_eq!(tiles.iter().map(IndexBox::voxels).sum::<usize>(), whole.voxels());
+        for (i, a) in tiles.iter().enumerate() {
+            assert!(tiles[i + 1..].iter().all(|b| a.intersection(b).is_empty()));
+            assert!((0..3).all(|k| a.lower[k] == whole.lower[k] || a.lower[k] % 64 == 0));
+        }
+        assert!(IndexBox::EMPTY.tiles(64).is_empty());
+    }
+
+    #[test]
+    fn hull_and_intersection() {
+        let (a, b) = (IndexBox::new([0; 3], [4; 3]), IndexBox::new([2; 3], [6; 3]));
+        assert_eq!(a.hull(&b), IndexBox::new([0; 3], [6; 3]));
+        assert_eq!(a.intersection(&b), IndexBox::new([2; 3], [4; 3]));
+        assert_eq!(a.hull(&IndexBox::EMPTY), a);
+        assert!(a.intersection(&IndexBox::new([5; 3], [6; 3])).is_empty());
+        assert!(IndexBox::EMPTY.grown([3; 3]).is_empty());
+    }
+}

@@ -1,0 +1,112 @@
+//! Index-to-world transform.
+
+/// Maps a voxel index (x, y, z) to world coordinates in mm: `linear * index + origin`.
+///
+/// World axes are RAS (x to the right, y to the front, z to the head), as in NIfTI; readers of LPS formats
+/// (MetaImage, NRRD, DICOM) convert.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Affine {
+    /// `linear[world axis][image axis]`, mm per voxel.
+    pub linear: [[f64; 3]; 3],
+    /// World position of voxel (0, 0, 0), mm.
+    pub origin: [f64; 3],
+}
+
+impl Affine {
+    /// Axes along the world's, voxel (0, 0, 0) at the world's origin.
+    pub fn diagonal(spacing: [f64; 3]) -> Self {
+        let [x, y, z] = spacing;
+        Self { linear: [[x, 0.0, 0.0], [0.0, y, 0.0], [0.0, 0.0, z]], origin: [0.0; 3] }
+    }
+
+    /// From unit direction vectors (one an image axis), spacing and origin.
+    pub fn from_directions(directions: [[f64; 3]; 3], spacing: [f64; 3], origin: [f64; 3]) -> Self {
+        let entry = |world: usize, axis: usize| directions[axis][world] * spacing[axis];
+        Self { linear: std::array::from_fn(|w| std::array::from_fn(|a| entry(w, a))), origin }
+    }
+
+    /// World coordinates in mm of a (fractional) voxel index.
+    pub fn apply(&self, index: [f64; 3]) -> [f64; 3] {
+        std::array::from_fn(|w| self.origin[w] + (0..3).map(|a| self.linear[w][a] * index[a]).sum::<f64>())
+    }
+
+    /// Step in the world of one voxel along an image axis, mm.
+    pub fn column(&self, axis: usize) -> [f64; 3] {
+        std::array::from_fn(|w| self.linear[w][axis])
+    }
+
+    /// Lengths of the three columns: the voxel spacing, mm.
+    pub fn column_lengths(&self) -> [f64; 3] {
+        std::array::from_fn(|a| {
+            let [x, y, z] = self.column(a);
+            libm::sqrt(x * x + y * y + z * z)
+        })
+    }
+
+    /// The same directions and origin with other spacings.
+    pub fn with_spacing(&self, spacing: [f64; 3]) -> Self {
+        let lengths = self.column_lengths();
+        let scale = |a: usize| if lengths[a] > 0.0 { spacing[a] / lengths[a] } else { 1.0 };
+        Self {
+            linear: std::array::from_fn(|w| std::array::from_fn(|a| self.linear[w][a] * scale(a))),
+            origin: self.origin,
+        }
+    }
+
+    /// All lengths multiplied, as from metres to mm.
+    pub fn scaled(&self, factor: f64) -> Self {
+        Self {
+            linear: self.linear.map(|row| row.map(|v| v * factor)),
+            origin: self.origin.map(|v| v * factor),
+        }
+    }
+
+    /// World x and y turned round: LPS to RAS and back.
+    pub fn with_lps_swapped(&self) -> Self {
+        let flip = [-1.0, -1.0, 1.0];
+        Self {
+            linear: std::array::from_fn(|w| self.linear[w].map(|v| v * flip[w])),
+            origin: std::array::from_fn(|w| self.origin[w] * flip[w]),
+        }
+    }
+
+    /// Negative where the image axes form a left-handed system in the world.
+    pub fn determinant(&self) -> f64 {
+        let [a, b, c] = self.linear;
+        a[0] * (b[1] * c[2] - b[2] * c[1]) - a[1] * (b[0] * c[2] - b[2] * c[0])
+            + a[2] * (b[0] * c[1] - b[1] * c[0])
+    }
+
+    /// The nearest anatomical axis codes, such as `RAS`: the way each image axis grows.
+    pub fn axis_codes(&self) -> String {
+        let nearest = |a: usize| {
+            let column = self.column(a);
+            let w = (0..3).fold(0, |best, w| if column[w].abs() > column[best].abs() { w } else { best });
+            [['L', 'R'], ['P', 'A'], ['I', 'S']][w][usize::from(column[w] > 0.0)]
+        };
+        (0..3).map(nearest).collect()
+    }
+
+    /// Whether every entry is finite.
+    pub fn is_finite(&self) -> bool {
+        self.linear.iter().flatten().chain(&self.origin).all(|v| v.is_finite())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn directions_are_columns() {
+        let directions = [[0.0, 1.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, 1.0]];
+        let affine = Affine::from_directions(directions, [2.0, 3.0, 4.0], [10.0, 20.0, 30.0]);
+        assert_eq!(affine.apply([1.0, 0.0, 0.0]), [10.0, 22.0, 30.0]);
+        assert_eq!(affine.apply([0.0, 1.0, 1.0]), [7.0, 20.0, 34.0]);
+        assert_eq!(affine.column_lengths(), [2.0, 3.0, 4.0]);
+        assert_eq!(affine.axis_codes(), "ALS");
+        assert!(affine.determinant() > 0.0);
+        assert_eq!(affine.with_lps_swapped().with_lps_swapped(), affine);
+        assert_eq!(affine.with_spacing([1.0; 3]).column_lengths(), [1.0; 3]);
+    }
+}

@@ -1,0 +1,117 @@
+//! What can be wrong with an image before anything is measured.
+
+use thiserror::Error;
+
+/// Why an image cannot be used; every message says what to do about it.
+#[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
+pub enum VolumeError {
+    /// A spacing is zero, negative, infinite or not a number.
+    #[error(
+        "the voxel spacing along axis {axis} is {value} mm; it must be positive and finite: give it with --spacing X,Y,Z"
+    )]
+    InvalidSpacing {
+        /// Axis 0, 1 or 2; 0 is the fastest in memory.
+        axis: usize,
+        /// The offending value, in mm.
+        value: f64,
+    },
+    /// The file names no spacing at all.
+    #[error("the file holds no voxel spacing; give it with --spacing X,Y,Z (mm, fastest axis first)")]
+    MissingSpacing,
+    /// The index-to-world affine has an entry that is not finite.
+    #[error(
+        "the index-to-world affine holds a value that is not finite; repair the header or give --spacing X,Y,Z"
+    )]
+    NonFiniteAffine,
+    /// Two image axes are not perpendicular in the world.
+    #[error(
+        "the affine is sheared: axes {first} and {second} meet at {degrees:.3} degrees; lengths and curvatures need \
+         perpendicular axes: resample the image to an orthogonal grid first"
+    )]
+    Sheared {
+        /// First axis.
+        first: usize,
+        /// Second axis.
+        second: usize,
+        /// Angle between them.
+        degrees: f64,
+    },
+    /// Not a 3-D image.
+    #[error("the image is {dimensions:?}: surfometry measures 3-D images; {cure}")]
+    NotThreeDimensional {
+        /// Dimensions as stored.
+        dimensions: Vec<usize>,
+        /// What to do.
+        cure: &'static str,
+    },
+    /// An axis has no voxels.
+    #[error(
+        "the image is {dimensions:?}: an axis without voxels; the file is empty or its header is damaged"
+    )]
+    EmptyAxis {
+        /// Dimensions as stored.
+        dimensions: Vec<usize>,
+    },
+    /// More voxels than can be counted or held.
+    #[error(
+        "the header claims {dimensions:?} voxels, which this machine's memory cannot hold; the header may be damaged \
+         (check it with `surfometry info`), otherwise crop the image"
+    )]
+    TooLarge {
+        /// Dimensions as stored.
+        dimensions: [usize; 3],
+    },
+    /// A voxel of a label image or field is not a number or infinite.
+    #[error("voxel {index:?} is {value}; replace such voxels (for labels with 0) before measuring")]
+    NotFinite {
+        /// Image index, x first.
+        index: [usize; 3],
+        /// The value.
+        value: f64,
+    },
+    /// A voxel of a label image is not a whole number.
+    #[error(
+        "voxel {index:?} is {value}, not a whole number, so this is no label image; threshold it first, or, if it is a \
+         level-set field (negative inside), use --embedding given"
+    )]
+    Fractional {
+        /// Image index, x first.
+        index: [usize; 3],
+        /// The value.
+        value: f64,
+    },
+    /// A label does not fit 64 signed bits.
+    #[error("voxel {index:?} is {value}: labels must lie within -2^63 .. 2^63; relabel the image")]
+    LabelOutOfRange {
+        /// Image index, x first.
+        index: [usize; 3],
+        /// The value.
+        value: f64,
+    },
+    /// Fewer voxels arrived than the grid has.
+    #[error("the voxels end early: {found} of {expected}; the file is truncated: copy or export it again")]
+    Incomplete {
+        /// Voxels that arrived.
+        found: usize,
+        /// Voxels of the grid.
+        expected: usize,
+    },
+    /// No voxel differs from the background.
+    #[error("no foreground: every voxel is 0; check that this is the segmentation and not an empty export")]
+    NoForeground,
+    /// A field has no voxel below zero.
+    #[error(
+        "no voxel of the field is negative, so nothing lies inside; surfometry takes phi < 0 as inside: negate the \
+         field if yours is positive inside"
+    )]
+    NothingInside,
+    /// A label that was asked for does not occur.
+    #[error("no label {missing} in the image; it holds {present}: choose with --label")]
+    NoSuchLabel {
+        /// What was asked for.
+        missing: i64,
+        /// What is there, shortened.
+        present: String,
+    },
+}

@@ -1,0 +1,206 @@
+//! One object as bits.
+
+use super::Grid;
+use crate::tiling::IndexBox;
+
+const WORD: usize = u64::BITS as usize;
+
+/// A binary object on a grid: one bit a voxel of its bounding box, background everywhere else.
+///
+/// Because everything outside the box is background, also beyond the image's edge, an object that touches the
+/// border is closed there (the paper's padding) without a copy.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Mask {
+    grid: Grid,
+    bounds: IndexBox,
+    words_a_row: usize,
+    bits: Vec<u64>,
+}
+
+impl Mask {
+    /// Builds a mask row by row: `fill(y, z, row)` sets the voxels of `bounds` in the row at y, z.
+    pub(crate) fn from_rows(
+        grid: Grid,
+        bounds: IndexBox,
+        mut fill: impl FnMut(usize, usize, &mut [bool]),
+    ) -> Self {
+        let [nx, ny, nz] = bounds.extent();
+        let words_a_row = nx.div_ceil(WORD);
+        let mut bits = vec![0u64; words_a_row * ny * nz];
+        let mut row = vec![false; nx];
+        for (number, words) in bits.chunks_mut(words_a_row.max(1)).enumerate() {
+            let (y, z) = (bounds.lower[1] as usize + number % ny, bounds.lower[2] as usize + number / ny);
+            row.fill(false);
+            fill(y, z, &mut row);
+            for (word, chunk) in words.iter_mut().zip(row.chunks(WORD)) {
+                *word = chunk.iter().enumerate().fold(0, |w, (bit, &on)| w | u64::from(on) << bit);
+            }
+        }
+        Self { grid, bounds, words_a_row, bits }
+    }
+
+    /// A mask of the voxels where a predicate of the index (x, y, z) holds.
+    pub fn from_predicate(grid: Grid, inside: impl Fn([usize; 3]) -> bool) -> Self {
+        let mut bounds = IndexBox::EMPTY;
+        let whole = Self::from_rows(grid, grid.index_box(), |y, z, row| {
+            for (x, voxel) in row.iter_mut().enumerate() {
+                *voxel = inside([x, y, z]);
+                if *voxel {
+                    bounds = bounds.hull(&IndexBox::voxel([x as i64, y as i64, z as i64]));
+                }
+            }
+        });
+        whole.cropped(bounds)
+    }
+
+    fn cropped(&self, bounds: IndexBox) -> Self {
+        Self::from_rows(self.grid, bounds, |y, z, row| {
+            for (x, voxel) in row.iter_mut().enumerate() {
+                *voxel = self.get([bounds.lower[0] + x as i64, y as i64, z as i64]);
+            }
+        })
+    }
+
+    /// The grid of the image that the object lies in.
+    pub fn grid(&self) -> &Grid {
+        &self.grid
+    }
+
+    /// Box outside which there is only background, in image indices.
+    pub fn bounds(&self) -> IndexBox {
+        self.bounds
+    }
+
+    /// Number of voxels.
+    pub fn voxels(&self) -> u64 {
+        self.bits.iter().map(|w| u64::from(w.count_ones())).sum()
+    }
+
+    /// Whether the object has no voxel.
+    pub fn is_empty(&self) -> bool {
+        self.bits.iter().all(|&w| w == 0)
+    }
+
+    /// Whether a voxel is inside; any index may be asked for.
+    pub fn get(&self, index: [i64; 3]) -> bool {
+        if !self.bounds.contains(index) {
+            return false;
+        }
+        let x = (index[0] - self.bounds.lower[0]) as usize;
+        self.row(index[1], index[2])[x / WORD] >> (x % WORD) & 1 == 1
+    }
+
+    /// Bits of the row at y, z of the bounds, from their lower x on; empty outside.
+    pub(crate) fn row(&self, y: i64, z: i64) -> &[u64] {
+        let [_, y0, z0] = self.bounds.lower;
+        let [_, y1, z1] = self.bounds.upper;
+        if y < y0 || y >= y1 || z < z0 || z >= z1 {
+            return &[];
+        }
+        let number = ((z - z0) * (y1 - y0) + (y - y0)) as usize;
+        &self.bits[number * self.words_a_row..][..self.words_a_row]
+    }
+
+    /// Runs of inside voxels in the row at y, z, as half-open x intervals in image indices, ascending.
+    pub(crate) fn runs(&self, y: i64, z: i64) -> Runs<'_> {
+        Runs { words: self.row(y, z), position: 0, offset: self.bounds.lower[0] }
+    }
+
+    /// `Some(value)` where every voxel of a box has that value.
+    pub(crate) fn uniform_in(&self, region: &IndexBox) -> Option<bool> {
+        let inner = region.intersection(&self.bounds);
+        if inner.is_empty() {
+            return Some(false);
+        }
+        let all_in_bounds = inner == *region;
+        let (x0, x1) = (inner.lower[0], inner.upper[0]);
+        let covered = |y, z| self.runs(y, z).map(|(a, b)| (b.min(x1) - a.max(x0)).max(0)).sum::<i64>();
+        let value = covered(inner.lower[1], inner.lower[2]) > 0;
+        if value && !all_in_bounds {
+            return None;
+        }
+        let expected = if value { x1 - x0 } else { 0 };
+        inner.rows().all(|(y, z)| covered(y, z) == expected).then_some(value)
+    }
+
+    /// Whether the object has voxels in the first or last slice of any axis of the image.
+    pub fn touches_border(&self) -> bool {
+        let image = self.grid.index_box();
+        (0..3).any(|a| self.bounds.lower[a] <= image.lower[a] || self.bounds.upper[a] >= image.upper[a])
+    }
+}
+
+/// Iterator over the runs of a row; see [`Mask::runs`].
+#[derive(Debug, Clone)]
+pub(crate) struct Runs<'a> {
+    words: &'a [u64],
+    position: usize,
+    offset: i64,
+}
+
+impl Runs<'_> {
+    /// First position from `self.position` on whose bit equals `value`; the row's length if none.
+    fn first_bit(&self, value: bool) -> usize {
+        let flip = if value { 0 } else { u64::MAX };
+        let mut index = self.position / WORD;
+        let mut shift = self.position % WORD;
+        while index < self.words.len() {
+            let word = (self.words[index] ^ flip) >> shift;
+            if word != 0 {
+                return index * WORD + shift + word.trailing_zeros() as usize;
+            }
+            index += 1;
+            shift = 0;
+        }
+        self.words.len() * WORD
+    }
+}
+
+impl Iterator for Runs<'_> {
+    type Item = (i64, i64);
+
+    fn next(&mut self) -> Option<Self::Item> {
+        let start = self.first_bit(true);
+        if start == self.words.len() * WORD {
+            return None;
+        }
+        self.position = start;
+        self.position = self.first_bit(false);
+        Some((self.offset + start as i64, self.offset + self.position as i64))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn mask(dimensions: [usize; 3], inside: impl Fn([usize; 3]) -> bool) -> Mask {
+        Mask::from_predicate(Grid::axis_aligned(dimensions, [1.0; 3]).unwrap(), inside)
+    }
+
+    #[test]
+    fn runs_are_the_bits() {
+        let wanted = |x: usize| x % 7 < 3 || (60..70).contains(&x) || x >= 190;
+        let mask = mask([200, 1, 1], |[x, _, _]| wanted(x));
+        let mut seen = vec![false; 200];
+        for (a, b) in mask.runs(0, 0) {
+            assert!(a < b && !seen[a as usize]);
+            (a..b).for_each(|x| seen[x as usize] = true);
+        }
+        assert_eq!(seen, (0..200).map(wanted).collect::<Vec<_>>());
+        assert_eq!(mask.voxels() as usize, seen.iter().filter(|&&v| v).count());
+    }
+
+    #[test]
+    fn bounds_are_tight_and_uniformity_is_exact() {
+        let mask = mask([100, 9, 9], |[x, y, z]| {
+            (10..90).contains(&x) && (2..7).contains(&y) && (2..7).contains(&z)
+        });
+        assert_eq!(mask.bounds(), IndexBox::new([10, 2, 2], [90, 7, 7]));
+        assert!(!mask.touches_border());
+        assert_eq!(mask.uniform_in(&IndexBox::new([10, 2, 2], [90, 7, 7])), Some(true));
+        assert_eq!(mask.uniform_in(&IndexBox::new([9, 2, 2], [90, 7, 7])), None);
+        assert_eq!(mask.uniform_in(&IndexBox::new([0, 0, 0], [10, 9, 9])), Some(false));
+        assert_eq!(mask.uniform_in(&IndexBox::new([-5, -5, -5], [0, 0, 0])), Some(false));
+    }
+}

@@ -1,0 +1,24 @@
+//! Images in memory: grid, spacing, affine, labels, masks, fields, and the slabs in which they arrive.
+
+mod affine;
+mod error;
+mod field;
+mod grid;
+mod labels;
+mod mask;
+mod samples;
+mod selection;
+mod slab;
+mod spacing;
+
+pub use affine::Affine;
+pub use error::VolumeError;
+pub use field::{FieldImage, FieldValues};
+pub use grid::Grid;
+pub use labels::{LabelImage, LabelSummary};
+pub use mask::Mask;
+pub use samples::{Samples, Scalar, ScalarType};
+pub use selection::{LabelGroup, LabelSelection, ParseSelectionError};
+pub(crate) use slab::slices_a_slab;
+pub use slab::{Slab, SlabReader};
+pub use spacing::Spacing;

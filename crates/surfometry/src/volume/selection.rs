@@ -1,0 +1,121 @@
+//! Which labels to measure, and which to unite.
+
+use super::{LabelImage, VolumeError};
+use serde::{Serialize, Serializer};
+use std::fmt;
+use std::str::FromStr;
+use thiserror::Error;
+
+/// Labels that are measured as one object.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+pub struct LabelGroup(Vec<i64>);
+
+impl LabelGroup {
+    /// A group of one label.
+    pub fn single(label: i64) -> Self {
+        Self(vec![label])
+    }
+
+    /// The labels.
+    pub fn labels(&self) -> &[i64] {
+        &self.0
+    }
+}
+
+impl fmt::Display for LabelGroup {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let parts: Vec<String> = self.0.iter().map(i64::to_string).collect();
+        f.write_str(&parts.join("+"))
+    }
+}
+
+/// A number for one label, a string such as `"1+2"` for united ones.
+impl Serialize for LabelGroup {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        match self.0[..] {
+            [label] => serializer.serialize_i64(label),
+            _ => serializer.collect_str(self),
+        }
+    }
+}
+
+/// The labels of an image to measure: all of them, or a list of groups.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub enum LabelSelection {
+    /// Each label that occurs, on its own.
+    #[default]
+    All,
+    /// These, in this order.
+    Groups(Vec<LabelGroup>),
+}
+
+impl LabelSelection {
+    /// The groups to measure in an image.
+    ///
+    /// # Errors
+    /// [`VolumeError::NoForeground`], or [`VolumeError::NoSuchLabel`] for one that does not occur.
+    pub fn resolve(&self, image: &LabelImage) -> Result<Vec<LabelGroup>, VolumeError> {
+        let present: Vec<i64> = image.summaries().iter().map(|s| s.label).collect();
+        if present.is_empty() {
+            return Err(VolumeError::NoForeground);
+        }
+        let groups = match self {
+            Self::All => return Ok(present.into_iter().map(LabelGroup::single).collect()),
+            Self::Groups(groups) => groups,
+        };
+        match groups.iter().flat_map(LabelGroup::labels).find(|l| !present.contains(l)) {
+            Some(&missing) => Err(VolumeError::NoSuchLabel { missing, present: shortened(&present) }),
+            None => Ok(groups.clone()),
+        }
+    }
+}
+
+fn shortened(labels: &[i64]) -> String {
+    const SHOWN: usize = 20;
+    let mut text = labels.iter().take(SHOWN).map(i64::to_string).collect::<Vec<_>>().join(", ");
+    if labels.len() > SHOWN {
+        text += &format!(" and {} more", labels.len() - SHOWN);
+    }
+    text
+}
+
+/// A label selection that cannot be read.
+#[derive(Debug, Clone, PartialEq, Eq, Error)]
+#[error(
+    "`{0}` is no label selection; write `all`, `1`, `1,2` (two objects) or `1+2` (one object of two labels); 0 is background"
+)]
+pub struct ParseSelectionError(String);
+
+impl FromStr for LabelSelection {
+    type Err = ParseSelectionError;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        if text == "all" {
+            return Ok(Self::All);
+        }
+        let label = |part: &str| part.trim().parse::<i64>().ok().filter(|&l| l != 0);
+        let group = |part: &str| part.split('+').map(label).collect::<Option<Vec<_>>>().map(LabelGroup);
+        let groups = text.split(',').map(group).collect::<Option<Vec<_>>>();
+        groups.map(Self::Groups).ok_or_else(|| ParseSelectionError(text.to_owned()))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn reads_lists_and_unions() {
+        let groups = |text: &str| match text.parse().unwrap() {
+            LabelSelection::Groups(groups) => groups.iter().map(LabelGroup::to_string).collect::<Vec<_>>(),
+            LabelSelection::All => vec!["all".into()],
+        };
+        assert_eq!(groups("all"), ["all"]);
+        assert_eq!(groups("3"), ["3"]);
+        assert_eq!(groups("3,-4"), ["3", "-4"]);
+        assert_eq!(groups("1+2, 5"), ["1+2", "5"]);
+        for bad in ["", "0", "a", "1,,2", "1+", "1.5"] {
+            assert!(bad.parse::<LabelSelection>().is_err(), "{bad}");
+        }
+    }
+}

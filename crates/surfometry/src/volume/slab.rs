@@ -1,0 +1,34 @@
+//! Images arrive as slabs of whole slices, so that no reader ever has to hold one.
+
+use super::{Grid, Samples, VolumeError};
+use std::ops::Range;
+
+/// Some consecutive z slices of an image.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Slab {
+    /// The z indices that it covers.
+    pub slices: Range<usize>,
+    /// Their voxels, x fastest, then y, then z.
+    pub samples: Samples,
+}
+
+/// A source of an image, front to back.
+pub trait SlabReader {
+    /// What reading can end in.
+    type Error: From<VolumeError>;
+
+    /// The image's lattice.
+    fn grid(&self) -> &Grid;
+
+    /// The next slab, in order of z without gaps; `None` after the last slice.
+    ///
+    /// # Errors
+    /// Whatever keeps the source from delivering.
+    fn next_slab(&mut self) -> Result<Option<Slab>, Self::Error>;
+}
+
+/// Slices a slab should hold so that it stays near 4 MiB: large enough to read fast, small against any image.
+pub(crate) fn slices_a_slab(dimensions: [usize; 3], bytes_a_voxel: usize) -> usize {
+    let slice = dimensions[0] * dimensions[1] * bytes_a_voxel;
+    ((4 << 20) / slice.max(1)).clamp(1, dimensions[2])
+}
