@@ -3,6 +3,7 @@
 use comfy_table::{CellAlignment, Table, presets};
 use std::fmt::Write;
 use surfometry::accuracy::FlagCode;
+use surfometry::measurement::EmbeddingKind;
 use surfometry::runs::{Output, Record};
 
 /// A plain table with columns of numbers.
@@ -31,7 +32,7 @@ const COLUMNS: [&str; 8] =
 pub(crate) fn table_text(output: &Output) -> String {
     let by_input = output.results.chunk_by(|a, b| a.input == b.input);
     let mut text = by_input.map(input_text).collect::<Vec<_>>().join("\n");
-    if !output.results.is_empty() {
+    if output.results.iter().any(|r| r.measured.parameters.sigma_mm.is_some()) {
         text += "\nblurred: of the smoothed object; original: with the smoothing's shift undone. H > 0 on a ball; chi is \
                  the surface's (ball 2, torus 0).\n";
     }
@@ -66,26 +67,26 @@ fn rows(record: &Record) -> Vec<Vec<String>> {
     let label = record.label.as_ref().map_or_else(String::new, ToString::to_string);
     let chi = |v: Option<f64>| v.map_or_else(|| "-".to_owned(), |chi| format!("{chi:.3}"));
     let c = &m.compensated;
-    let mut rows = vec![
-        vec![
-            label,
-            "blurred".to_owned(),
-            number(m.volume_mm3),
-            number(m.surface_area_mm2),
-            number(m.total_mean_curvature_mm),
-            number(m.average_mean_curvature_per_mm),
-            chi(m.euler_characteristic),
-            m.topology.euler_characteristic_voxels_26.to_string(),
-        ],
-        vec![
+    let mut rows = vec![vec![
+        label,
+        surface_name(m.parameters.embedding).to_owned(),
+        number(m.volume_mm3),
+        number(m.surface_area_mm2),
+        number(m.total_mean_curvature_mm),
+        number(m.average_mean_curvature_per_mm),
+        chi(m.euler_characteristic),
+        m.topology.euler_characteristic_voxels_26.to_string(),
+    ]];
+    if m.parameters.embedding == EmbeddingKind::Gaussian {
+        rows.push(vec![
             String::new(),
             "original".to_owned(),
             number(c.volume_mm3),
             number(c.surface_area_mm2),
             number(c.total_mean_curvature_mm),
             number(c.average_mean_curvature_per_mm),
-        ],
-    ];
+        ]);
+    }
     if let Some(truth) = m.truth {
         rows.push(vec![
             String::new(),
@@ -98,6 +99,14 @@ fn rows(record: &Record) -> Vec<Vec<String>> {
         ]);
     }
     rows
+}
+
+fn surface_name(embedding: EmbeddingKind) -> &'static str {
+    match embedding {
+        EmbeddingKind::Gaussian => "blurred",
+        EmbeddingKind::Distance => "distance",
+        EmbeddingKind::Given => "given",
+    }
 }
 
 /// Each warning once, with the labels it is about. What the table does not show needs no `not-computed`.

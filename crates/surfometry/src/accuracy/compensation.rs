@@ -15,18 +15,24 @@ pub struct CompensatedIntegrals {
 
 /// Undoes, to first order in sigma^2, what the blur did, and to second order in t what the band did.
 ///
-/// The blur moves the surface by -sigma^2 H along its normal. Moving it back by sigma^2 H changes V by sigma^2 M,
-/// A by 2 sigma^2 int H^2 and M by sigma^2 int H K. The smeared Heaviside and delta average over parallel surfaces
-/// with a mean square distance `variance`: V is too large by `variance` M and A by `variance` int K (Steiner), and
-/// M is right because its second derivative along the normal vanishes.
+/// The blur moves the surface by -sigma^2 H along its normal. Moving it back changes A by 2 sigma^2 int H^2 and M by
+/// sigma^2 int H K. V changes by M at every step of the way, so by sigma^2 times the mean of M on the blurred and on
+/// the compensated surface: the trapezoid rule, which leaves a quarter of the error that M of the blurred surface
+/// alone would (a ball of R = 5 sigma: -0.08 % instead of -0.32 %).
 ///
-/// What is left is of order sigma^4 / R^4: 0.2 % at R = 5 sigma, 3 % at R = 2.5 sigma. Valid at level 0.5 only.
+/// The smeared Heaviside and delta average over parallel surfaces with a mean square distance `variance`: V is too
+/// large by `variance` M and A by `variance` int K (Steiner), and M is right because its second derivative along the
+/// normal vanishes.
+///
+/// What is left is of order sigma^4 / R^4: on a ball up to 0.2 % at R = 5 sigma, 3 % at R = 2.5 sigma. Valid at level
+/// 0.5 only.
 pub fn compensate(plain: &Integrals, sigma: f64, variance: f64) -> CompensatedIntegrals {
     let surface = &plain.surface;
     let square = sigma * sigma;
+    let mean = surface.mean + square * surface.mean_times_gaussian;
     CompensatedIntegrals {
-        volume: plain.volume + (square - variance) * surface.mean,
+        volume: plain.volume + square * 0.5 * (surface.mean + mean) - variance * surface.mean,
         area: surface.area + 2.0 * square * surface.mean_squared - variance * surface.gaussian,
-        mean: surface.mean + square * surface.mean_times_gaussian,
+        mean,
     }
 }

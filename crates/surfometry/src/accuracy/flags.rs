@@ -70,6 +70,8 @@ impl Flag {
 pub struct Evidence {
     /// Voxel spacing.
     pub spacing: Spacing,
+    /// Whether the embedding is the distance.
+    pub distance: bool,
     /// Blur in mm, for the Gaussian embedding.
     pub sigma: Option<f64>,
     /// Band thickness in mm, where known.
@@ -157,21 +159,29 @@ fn band_flags(e: &Evidence) -> Vec<Flag> {
 
 fn topology_flags(e: &Evidence) -> Vec<Flag> {
     let Some((_, _, chi)) = e.plain else { return Vec::new() };
-    let even = 2.0 * (chi / 2.0).round();
-    if (chi - even).abs() > EULER_TOLERANCE {
-        return vec![Flag::new(
-            FlagCode::EulerNotInteger,
-            format!("the Euler characteristic {chi:.3} is not near an even integer (a closed surface's is even): grid noise, or the topology changes inside the band; compare with the voxels' {} ", e.voxel_euler).trim_end().to_owned(),
-        )];
+    let voxels = e.voxel_euler;
+    if e.distance {
+        let message = format!(
+            "distances between voxels are quantised, so curvature from them is noise and the Euler characteristic \
+             {chi:.1} meaningless (the voxels' is {voxels}); use --embedding gaussian"
+        );
+        return vec![Flag::new(FlagCode::DistanceQuantised, message)];
     }
-    if even != e.voxel_euler as f64 {
-        return vec![Flag::new(
-            FlagCode::EulerDiffersFromVoxels,
-            format!(
-                "the blurred surface has Euler characteristic {even}, the voxels' surface {}: the blur closed or opened handles, cavities or bridges",
-                e.voxel_euler
-            ),
-        )];
+    // Adding 0 turns -0 into 0.
+    let even = 2.0 * (chi / 2.0).round() + 0.0;
+    if (chi - even).abs() > EULER_TOLERANCE {
+        let message = format!(
+            "the Euler characteristic {chi:.3} is not near an even integer (a closed surface's is even): grid noise, \
+             or the topology changes inside the band; the voxels' is {voxels}"
+        );
+        return vec![Flag::new(FlagCode::EulerNotInteger, message)];
+    }
+    if even != voxels as f64 {
+        let message = format!(
+            "the smooth surface has Euler characteristic {even}, the voxels' surface {voxels}: handles, cavities or \
+             bridges differ, mostly small ones that the blur closed or opened"
+        );
+        return vec![Flag::new(FlagCode::EulerDiffersFromVoxels, message)];
     }
     Vec::new()
 }

@@ -46,9 +46,10 @@ impl GaussianKernel {
         Self { taps }
     }
 
-    /// Taps on each side of the centre.
+    /// Taps on each side of the centre. A hair is taken off before rounding up, so that a spacing that went through
+    /// f32 has as many taps as the same spacing that did not.
     pub fn radius_for(sigma: f64, spacing: f64, truncation: f64) -> i64 {
-        (truncation * sigma / spacing).ceil().max(1.0) as i64
+        (truncation * sigma / spacing - 1e-3).ceil().max(1.0) as i64
     }
 
     /// Taps on each side of the centre.

@@ -111,6 +111,8 @@ pub struct ImageHeader {
     pub scalar: ScalarType,
     /// Index-to-world transform in mm (RAS); `None` where the file has no spacing.
     pub affine: Option<Affine>,
+    /// The spacing as written, where the affine was made from it; it may be impossible.
+    pub(crate) stated_spacing: Option<[f64; 3]>,
     /// A second spacing that the file names and that is not the affine's, mm.
     pub other_spacing: Option<[f64; 3]>,
     pub(crate) data: VoxelData,
@@ -124,7 +126,10 @@ impl ImageHeader {
     pub fn grid(&self, spacing: Option<[f64; 3]>) -> Result<Grid, VolumeError> {
         let affine = match (self.affine, spacing) {
             (None, None) => return Err(VolumeError::MissingSpacing),
-            (Some(affine), None) => affine,
+            (Some(affine), None) => {
+                self.stated_spacing.map(Spacing::new).transpose()?;
+                affine
+            }
             (None, Some(spacing)) => Affine::diagonal(Spacing::new(spacing)?.mm()),
             (Some(affine), Some(spacing)) => {
                 let spacing = Spacing::new(spacing)?.mm();

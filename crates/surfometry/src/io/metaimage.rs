@@ -28,7 +28,16 @@ pub(super) fn read_header(path: &Path) -> Result<ImageHeader, ReadError> {
     let scalar = scalar(keys.text("ElementType").unwrap_or("none"))?;
     let affine = affine(&keys, axes.len())?;
     let data = data(path, &keys, lines.position())?;
-    Ok(ImageHeader { format: Format::MetaImage, dimensions, scalar, affine, other_spacing: None, data })
+    let stated_spacing = spacing(&keys)?;
+    Ok(ImageHeader {
+        format: Format::MetaImage,
+        dimensions,
+        scalar,
+        affine,
+        stated_spacing,
+        other_spacing: None,
+        data,
+    })
 }
 
 /// `Key = Value` lines up to ElementDataFile, which is the last.
@@ -85,10 +94,16 @@ fn scalar(name: &str) -> Result<ScalarType, ReadError> {
     })
 }
 
+fn spacing(keys: &Keys) -> Result<Option<[f64; 3]>, ReadError> {
+    match keys.list::<f64>("ElementSpacing")?.or(keys.list("ElementSize")?).as_deref() {
+        None => Ok(None),
+        Some(&[x, y, z, ..]) => Ok(Some([x, y, z])),
+        Some(_) => Err(error("ElementSpacing has fewer than three values")),
+    }
+}
+
 fn affine(keys: &Keys, axes: usize) -> Result<Option<Affine>, ReadError> {
-    let Some(spacing) = keys.list::<f64>("ElementSpacing")?.or(keys.list("ElementSize")?) else {
-        return Ok(None);
-    };
+    let Some(spacing) = spacing(keys)? else { return Ok(None) };
     let first = |key: &str| -> Result<Option<Vec<f64>>, ReadError> { keys.list(key) };
     // Rows of the matrix are the directions of the image axes.
     let matrix = match first("TransformMatrix")?.or(first("Rotation")?).or(first("Orientation")?) {
@@ -99,11 +114,10 @@ fn affine(keys: &Keys, axes: usize) -> Result<Option<Affine>, ReadError> {
         Some(origin) => origin,
         None => vec![0.0; axes],
     };
-    if spacing.len() < 3 || matrix.len() != axes * axes || origin.len() < 3 {
-        return Err(error("ElementSpacing, TransformMatrix or Offset have the wrong number of values"));
+    if matrix.len() != axes * axes || origin.len() < 3 {
+        return Err(error("TransformMatrix or Offset have the wrong number of values"));
     }
     let directions = std::array::from_fn(|a| std::array::from_fn(|w| matrix[a * axes + w]));
-    let spacing = [spacing[0], spacing[1], spacing[2]];
     let affine = Affine::from_directions(directions, spacing, [origin[0], origin[1], origin[2]]);
     Ok(Some(affine.with_lps_swapped()))
 }

@@ -39,6 +39,7 @@ pub(super) fn read_header(path: &Path) -> Result<ImageHeader, ReadError> {
         dimensions,
         scalar: fields.scalar()?,
         affine,
+        stated_spacing: (fields.sform_code <= 0).then(|| fields.spacing()),
         other_spacing: fields.conflicting_spacing(affine.as_ref()),
         data: VoxelData {
             path: data_path,
@@ -240,8 +241,7 @@ impl Fields {
     }
 
     fn spacing(&self) -> [f64; 3] {
-        // The standard wants pixdim positive; some writers put a sign there.
-        [1, 2, 3].map(|i| self.pixdim[i].abs() * self.unit())
+        [1, 2, 3].map(|i| self.pixdim[i] * self.unit())
     }
 
     /// The sform where it is set, else the qform, else the spacings alone.
@@ -273,7 +273,7 @@ impl Fields {
 
     fn conflicting_spacing(&self, affine: Option<&Affine>) -> Option<[f64; 3]> {
         let (used, pixdim) = (affine?.column_lengths(), self.spacing());
-        let differs = (0..3).any(|a| (pixdim[a] - used[a]).abs() > CONFLICT * used[a]);
+        let differs = (0..3).any(|a| (pixdim[a].abs() - used[a]).abs() > CONFLICT * used[a]);
         (self.sform_code > 0 && differs).then_some(pixdim)
     }
 }

@@ -32,6 +32,7 @@ pub(super) fn read_header(path: &Path) -> Result<ImageHeader, ReadError> {
         dimensions: three_dimensions(&shape)?,
         scalar,
         affine: None,
+        stated_spacing: None,
         other_spacing: None,
         data: VoxelData {
             path: path.to_owned(),

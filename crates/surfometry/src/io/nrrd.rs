@@ -26,9 +26,17 @@ pub(super) fn read_header(path: &Path) -> Result<ImageHeader, ReadError> {
     let scalar = scalar(fields.required("type")?)?;
     let axes = spatial_axes(&fields, &sizes)?;
     let dimensions = three_dimensions(&axes.iter().map(|&a| sizes[a]).collect::<Vec<_>>())?;
-    let affine = affine(&fields, &axes)?;
+    let Geometry { affine, stated_spacing } = geometry(&fields, &axes)?;
     let data = data(path, &fields, scalar, lines.position())?;
-    Ok(ImageHeader { format: Format::Nrrd, dimensions, scalar, affine, other_spacing: None, data })
+    Ok(ImageHeader {
+        format: Format::Nrrd,
+        dimensions,
+        scalar,
+        affine,
+        stated_spacing,
+        other_spacing: None,
+        data,
+    })
 }
 
 /// `field: value` lines up to the blank one.
@@ -125,7 +133,14 @@ fn vector_of(text: &str) -> Vec<f64> {
     inner.split(',').map(|v| v.trim().parse().unwrap_or(f64::NAN)).collect()
 }
 
-fn affine(fields: &Fields, axes: &[usize]) -> Result<Option<Affine>, ReadError> {
+/// Where the lattice lies, and the spacing that this was made from.
+#[derive(Default)]
+struct Geometry {
+    affine: Option<Affine>,
+    stated_spacing: Option<[f64; 3]>,
+}
+
+fn geometry(fields: &Fields, axes: &[usize]) -> Result<Geometry, ReadError> {
     let unit = unit(fields)?;
     if let Some(text) = fields.get(&["space directions"]) {
         let columns: Vec<Vec<f64>> = directions_of(text).into_iter().flatten().collect();
@@ -135,13 +150,16 @@ fn affine(fields: &Fields, axes: &[usize]) -> Result<Option<Affine>, ReadError> 
         }
         let linear = std::array::from_fn(|w| std::array::from_fn(|a| columns[a][w]));
         let affine = Affine { linear, origin: [origin[0], origin[1], origin[2]] }.scaled(unit);
-        return Ok(Some(to_ras(affine, fields.get(&["space"]).unwrap_or_default())?));
+        let affine = to_ras(affine, fields.get(&["space"]).unwrap_or_default())?;
+        return Ok(Geometry { affine: Some(affine), stated_spacing: None });
     }
-    let Some(text) = fields.get(&["spacings"]) else { return Ok(None) };
+    let Some(text) = fields.get(&["spacings"]) else { return Ok(Geometry::default()) };
     let spacings: Vec<f64> =
         numbers(text).ok_or_else(|| error(format!("`spacings: {text}` cannot be read")))?;
     match axes.iter().map(|&a| spacings.get(a).map(|s| s * unit)).collect::<Option<Vec<_>>>().as_deref() {
-        Some(&[x, y, z, ..]) => Ok(Some(Affine::diagonal([x, y, z]))),
+        Some(&[x, y, z, ..]) => {
+            Ok(Geometry { affine: Some(Affine::diagonal([x, y, z])), stated_spacing: Some([x, y, z]) })
+        }
         _ => Err(error("`spacings` has fewer values than there are axes")),
     }
 }

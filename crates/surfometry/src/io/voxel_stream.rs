@@ -54,6 +54,15 @@ impl VoxelStream {
             Ok(_) => Ok(()),
         }
     }
+
+    /// Reads on past the last voxel, which makes a decoder compare its checksum.
+    fn check_end(&mut self) -> Result<(), ReadError> {
+        let expected = total_bytes(&self.header);
+        match self.voxels.read(&mut [0]) {
+            Err(source) => Err(ReadError::Decompression { found: expected, expected, source }),
+            Ok(_) => Ok(()),
+        }
+    }
 }
 
 fn total_bytes(header: &ImageHeader) -> u64 {
@@ -81,6 +90,9 @@ impl SlabReader for VoxelStream {
             samples = samples.scaled(slope, intercept);
         }
         self.next_slice = last;
+        if last == nz {
+            self.check_end()?;
+        }
         Ok(Some(Slab { slices: first..last, samples }))
     }
 }

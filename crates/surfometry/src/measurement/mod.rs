@@ -219,6 +219,7 @@ impl Measurement {
         let plain = surviving.map_or_else(PlainValues::default, |i| PlainValues::of(&i));
         let evidence = Evidence {
             spacing: mask.grid().spacing(),
+            distance: self.embedding == EmbeddingKind::Distance,
             sigma: parameters.sigma_mm,
             thickness: parameters.thickness_mm,
             half_width: delta.half_width(),
@@ -257,9 +258,6 @@ impl Measurement {
         }
         if !survives {
             flags.push(Flag::new(FlagCode::SurfaceVanished, "nothing is left of the object at this sigma and level, so its integrals are null; use a smaller --sigma"));
-        }
-        if self.embedding == EmbeddingKind::Distance {
-            flags.push(Flag::new(FlagCode::DistanceQuantised, "distances between voxels are quantised: curvature and Euler characteristic of this embedding are noise (Besler et al.); use --embedding gaussian"));
         }
         if parameters.compensable_sigma().is_none() {
             flags.push(Flag::new(FlagCode::CompensationUndefined, "compensation is defined for the Gaussian embedding at level 0.5 only, so `compensated` is null"));

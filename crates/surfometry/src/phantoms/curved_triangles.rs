@@ -60,7 +60,7 @@ impl Sums {
 }
 
 /// Exact integrals of a shape, from a lattice of spacing about `step` mm, refined until Gauss and Bonnet agree.
-pub(crate) fn integrate_surface<S: Shape>(shape: &S, step: f64) -> Option<Truth> {
+pub(crate) fn integrate_surface<S: Shape + ?Sized>(shape: &S, step: f64) -> Option<Truth> {
     (0..=REFINEMENTS).find_map(|n| {
         let sums = sums_on_lattice(shape, step / f64::from(1 << n));
         let chi = sums.gaussian / TAU;
@@ -71,7 +71,7 @@ pub(crate) fn integrate_surface<S: Shape>(shape: &S, step: f64) -> Option<Truth>
 }
 
 /// The integrals from one lattice.
-pub(crate) fn sums_on_lattice<S: Shape>(shape: &S, step: f64) -> Sums {
+pub(crate) fn sums_on_lattice<S: Shape + ?Sized>(shape: &S, step: f64) -> Sums {
     let cells = shape.half_extent().map(|h| (2.0 * (h + step) / step).ceil() as usize);
     let start: Vector = std::array::from_fn(|a| -0.5 * cells[a] as f64 * step);
     let corner =
@@ -108,7 +108,7 @@ const TETRAHEDRA: [[usize; 4]; 6] =
 /// A point of the surface and the unit normal there.
 type Vertex = (Vector, Vector);
 
-fn triangles<S: Shape>(shape: &S, corners: [(Vector, f64); 4]) -> Vec<[Vertex; 3]> {
+fn triangles<S: Shape + ?Sized>(shape: &S, corners: [(Vector, f64); 4]) -> Vec<[Vertex; 3]> {
     let (inside, outside): (Vec<_>, Vec<_>) = corners.into_iter().partition(|c| c.1 < 0.0);
     let cut = |i: usize, o: usize| surface_vertex(shape, inside[i], outside[o]);
     match (inside.len(), outside.len()) {
@@ -124,7 +124,7 @@ fn triangles<S: Shape>(shape: &S, corners: [(Vector, f64); 4]) -> Vec<[Vertex; 3
 
 /// Where the surface crosses an edge: the Illinois variant of false position, which brackets the crossing and gives
 /// the same point to all who share the edge.
-fn surface_vertex<S: Shape>(shape: &S, inside: (Vector, f64), outside: (Vector, f64)) -> Vertex {
+fn surface_vertex<S: Shape + ?Sized>(shape: &S, inside: (Vector, f64), outside: (Vector, f64)) -> Vertex {
     let at = |t: f64| combine([(1.0 - t, inside.0), (t, outside.0)]);
     let (mut low, mut high) = ((0.0, inside.1), (1.0, outside.1));
     let mut crossing = 0.0;
@@ -148,7 +148,7 @@ fn surface_vertex<S: Shape>(shape: &S, inside: (Vector, f64), outside: (Vector, 
 }
 
 /// Integrals over the piece of surface above a flat triangle.
-fn curved_triangle<S: Shape>(shape: &S, [a, b, c]: [Vertex; 3]) -> Sums {
+fn curved_triangle<S: Shape + ?Sized>(shape: &S, [a, b, c]: [Vertex; 3]) -> Sums {
     let minus = |p: Vector, q: Vector| combine([(1.0, p), (-1.0, q)]);
     let (side_b, side_c) = (minus(b.0, a.0), minus(c.0, a.0));
     let (turn_b, turn_c) = (minus(b.1, a.1), minus(c.1, a.1));
@@ -183,7 +183,7 @@ fn curved_triangle<S: Shape>(shape: &S, [a, b, c]: [Vertex; 3]) -> Sums {
 }
 
 /// Newton's method along a direction.
-fn lift_to_surface<S: Shape>(shape: &S, base: Vector, direction: Vector) -> (f64, Vector, Jet) {
+fn lift_to_surface<S: Shape + ?Sized>(shape: &S, base: Vector, direction: Vector) -> (f64, Vector, Jet) {
     let mut lift = 0.0;
     let mut point = base;
     let mut jet = shape.jet(point);
@@ -199,21 +199,6 @@ fn lift_to_surface<S: Shape>(shape: &S, base: Vector, direction: Vector) -> (f64
     (lift, point, jet)
 }
 
-impl<S: Shape + ?Sized> Shape for &S {
-    fn value(&self, point: Vector) -> f64 {
-        (**self).value(point)
-    }
-    fn jet(&self, point: Vector) -> Jet {
-        (**self).jet(point)
-    }
-    fn truth(&self) -> Option<Truth> {
-        (**self).truth()
-    }
-    fn half_extent(&self) -> Vector {
-        (**self).half_extent()
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -227,7 +212,7 @@ mod tests {
             (&Ellipsoid { radii: [10.0, 7.0, 5.0] }, 0.8),
         ];
         for (shape, step) in shapes {
-            let sums = sums_on_lattice(&shape, step);
+            let sums = sums_on_lattice(shape, step);
             let truth = shape.truth().unwrap();
             assert!(
                 (sums.volume / truth.volume - 1.0).abs() < 1e-8,

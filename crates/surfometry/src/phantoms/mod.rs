@@ -45,6 +45,24 @@ pub trait Shape: Send + Sync {
     fn half_extent(&self) -> [f64; 3];
 }
 
+impl Shape for Box<dyn Shape> {
+    fn value(&self, point: [f64; 3]) -> f64 {
+        (**self).value(point)
+    }
+
+    fn jet(&self, point: [f64; 3]) -> Jet {
+        (**self).jet(point)
+    }
+
+    fn truth(&self) -> Option<Truth> {
+        (**self).truth()
+    }
+
+    fn half_extent(&self) -> [f64; 3] {
+        (**self).half_extent()
+    }
+}
+
 /// Exact integrals of a closed surface.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Truth {

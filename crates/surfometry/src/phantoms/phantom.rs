@@ -20,10 +20,6 @@ impl Phantom {
     /// # Errors
     /// [`VolumeError`] for a bad spacing or a grid that is too large.
     pub fn new(shape: impl Shape + 'static, pose: Pose, spacing: [f64; 3]) -> Result<Self, VolumeError> {
-        Self::boxed(Box::new(shape), pose, spacing)
-    }
-
-    pub(super) fn boxed(shape: Box<dyn Shape>, pose: Pose, spacing: [f64; 3]) -> Result<Self, VolumeError> {
         let half = pose.half_extent(shape.half_extent());
         let reach: [f64; 3] = std::array::from_fn(|a| half[a] + pose.shift()[a].abs());
         crate::volume::Spacing::new(spacing)?;
@@ -31,7 +27,7 @@ impl Phantom {
             std::array::from_fn(|a| (2.0 * reach[a] / spacing[a]).ceil() as usize + 1 + 2 * MARGIN);
         let mut affine = Affine::diagonal(spacing);
         affine.origin = std::array::from_fn(|a| -0.5 * (dimensions[a] - 1) as f64 * spacing[a]);
-        Ok(Self { shape, pose, grid: Grid::new(dimensions, affine)? })
+        Ok(Self { shape: Box::new(shape), pose, grid: Grid::new(dimensions, affine)? })
     }
 
     /// Exact integrals; `None` where their quadrature did not converge.

@@ -80,7 +80,7 @@ impl Phantom {
         let pose = Pose::new(values.triple("rotate", [0.0; 3])?, values.triple("shift", [0.0; 3])?);
         let spacing = values.triple("spacing", [1.0; 3])?;
         values.finish()?;
-        Ok(Self::boxed(shape, pose, spacing)?)
+        Ok(Self::new(shape, pose, spacing)?)
     }
 }
 

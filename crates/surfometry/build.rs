@@ -1,0 +1,12 @@
+//! Tells the tests whether the shared data set is there; those that need it are ignored, visibly, where it is not.
+
+use std::path::Path;
+
+fn main() {
+    let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data/real");
+    println!("cargo::rustc-check-cfg=cfg(shared_data)");
+    println!("cargo::rerun-if-changed={}", data.display());
+    if data.is_dir() {
+        println!("cargo::rustc-cfg=shared_data");
+    }
+}

@@ -1,0 +1,43 @@
+//! Shapes, poses and comparisons that several tests use.
+#![allow(dead_code, missing_docs, unreachable_pub)]
+
+use surfometry::Measurement;
+use surfometry::measurement::Measured;
+use surfometry::phantoms::{Phantom, Pose, Shape, Truth};
+
+/// Rotations and shifts that leave no axis special and no centre on the grid.
+pub fn poses() -> [Pose; 3] {
+    [
+        Pose::new([17.0, 31.0, 12.0], [0.31, 0.17, 0.43]),
+        Pose::new([63.0, -22.0, 40.0], [0.11, -0.37, 0.29]),
+        Pose::new([-35.0, 48.0, 71.0], [-0.23, 0.41, -0.07]),
+    ]
+}
+
+/// Spacings whose largest edge is 1 and whose ratio goes up to 4.
+pub const SPACINGS: [[f64; 3]; 5] =
+    [[1.0, 1.0, 1.0], [0.5, 0.5, 1.0], [1.0, 0.7, 0.4], [0.25, 1.0, 0.5], [0.25, 0.25, 1.0]];
+
+pub fn phantom(shape: impl Shape + 'static, pose: Pose, spacing: [f64; 3]) -> Phantom {
+    Phantom::new(shape, pose, spacing).expect("a valid phantom")
+}
+
+/// Measures a phantom's voxels.
+pub fn measure(phantom: &Phantom, measurement: &Measurement) -> Measured {
+    measurement.run(&phantom.labels().unwrap().mask(1)).unwrap()
+}
+
+/// Relative errors in % of compensated V, A, M.
+pub fn compensated_errors(measured: &Measured, truth: &Truth) -> [f64; 3] {
+    let c = &measured.compensated;
+    let percent = |value: Option<f64>, exact: f64| 100.0 * (value.expect("a number") / exact - 1.0);
+    [
+        percent(c.volume_mm3, truth.volume),
+        percent(c.surface_area_mm2, truth.surface_area),
+        percent(c.total_mean_curvature_mm, truth.total_mean_curvature),
+    ]
+}
+
+pub fn codes(measured: &Measured) -> Vec<String> {
+    measured.flags.iter().map(|f| f.code.to_string()).collect()
+}

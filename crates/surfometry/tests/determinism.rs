@@ -1,0 +1,61 @@
+//! The same bits for any number of threads, and whatever else is in the image.
+
+mod common;
+
+use common::poses;
+use surfometry::Measurement;
+use surfometry::measurement::{Derivatives, EmbeddingKind, Measured};
+use surfometry::phantoms::{Genus, Phantom};
+use surfometry::volume::{Grid, Mask};
+
+fn bits(m: &Measured) -> Vec<u64> {
+    let c = &m.compensated;
+    let values = [
+        m.volume_mm3,
+        m.surface_area_mm2,
+        m.total_mean_curvature_mm,
+        m.total_gaussian_curvature,
+        m.total_squared_mean_curvature,
+        c.volume_mm3,
+        c.surface_area_mm2,
+        c.total_mean_curvature_mm,
+    ];
+    values.iter().flatten().map(|v| v.to_bits()).collect()
+}
+
+fn on_threads(threads: usize, measurement: &Measurement, mask: &Mask) -> Vec<u64> {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+    bits(&pool.install(|| measurement.run(mask).unwrap()))
+}
+
+#[test]
+fn threads_do_not_change_a_bit() {
+    let shape = Genus { genus: 2, major: 12.0, minor: 8.0 };
+    let mask = Phantom::new(shape, poses()[0], [0.7, 0.5, 0.9]).unwrap().labels().unwrap().mask(1);
+    let base = Measurement::default().sigma_mm(1.5);
+    for measurement in [
+        base,
+        base.derivatives(Derivatives::FiniteDifference),
+        Measurement::paper(),
+        Measurement::default().embedding(EmbeddingKind::Distance),
+    ] {
+        let one = on_threads(1, &measurement, &mask);
+        assert!(one.len() >= 5);
+        for threads in [2, 3, 5] {
+            assert_eq!(one, on_threads(threads, &measurement, &mask), "{threads} threads, {measurement:?}");
+        }
+    }
+}
+
+/// Tiles hang on image index 0, so neither another object nor a larger image behind it changes a result.
+#[test]
+fn surroundings_do_not_change_a_bit() {
+    let mask = Phantom::new(Genus { genus: 1, major: 12.0, minor: 8.0 }, poses()[1], [1.0; 3]).unwrap();
+    let mask = mask.labels().unwrap().mask(1);
+    let dimensions = mask.grid().dimensions().map(|n| n + 57);
+    let grid = Grid::axis_aligned(dimensions, [1.0; 3]).unwrap();
+    let larger = Mask::from_predicate(grid, |i| mask.get(i.map(|v| v as i64)));
+    for m in [Measurement::default(), Measurement::paper()] {
+        assert_eq!(bits(&m.run(&mask).unwrap()), bits(&m.run(&larger).unwrap()));
+    }
+}
