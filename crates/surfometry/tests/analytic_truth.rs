@@ -58,11 +58,14 @@ fn sigma_two() -> Measurement {
     Measurement::default().sigma_mm(2.0).thickness_mm(2.5)
 }
 
+/// Name, shape, bounds of the errors of V, A, M in %, bound of chi's error.
+type Case = (&'static str, Box<dyn Shape>, [f64; 3], f64);
+
 /// Every shape of the zoo: V, A, M, chi. Shapes whose curvature jumps (capsule, rounded box, genus) or whose rims
 /// are sharp against sigma (the periodic ones) get what first-order compensation leaves of them.
 #[test]
 fn the_whole_zoo() {
-    let zoo: [(&str, Box<dyn Shape>, [f64; 3], f64); 10] = [
+    let zoo: [Case; 10] = [
         ("ball", Box::new(Ball { radius: 15.0 }), [0.3, 0.2, 0.2], 0.01),
         ("ellipsoid", Box::new(Ellipsoid { radii: [30.0, 20.0, 15.0] }), [0.3, 0.2, 0.3], 0.01),
         ("capsule", Box::new(Capsule { radius: 12.0, length: 40.0 }), [0.2, 0.2, 0.2], 0.01),

@@ -42,7 +42,9 @@ pub(crate) fn table_text(output: &Output) -> String {
 fn input_text(records: &[Record]) -> String {
     let mut layout = Layout::new(&COLUMNS);
     for record in records {
-        rows(record).into_iter().for_each(|row| layout.row(row));
+        for row in rows(record) {
+            layout.row(row);
+        }
     }
     heading(&records[0]) + &layout.text() + &flags(records)
 }

@@ -120,8 +120,8 @@ fn lower_envelope(line: &[f64], spacing: f64) -> Vec<f64> {
         }
         let p = usize::midpoint(from, to);
         let mut argmin = first;
-        for s in first..=last {
-            let candidate = cost(p, sources[s]);
+        for (s, &source) in sources.iter().enumerate().take(last + 1).skip(first) {
+            let candidate = cost(p, source);
             if candidate < best[p] {
                 (best[p], argmin) = (candidate, s);
             }

@@ -27,7 +27,7 @@ pub fn integrate<D: Differentiation + ?Sized>(
     let partial = tiles
         .par_iter()
         .map(|tile| Partial::of_tile(&scheme.sample(tile, half_width), delta, quadrature))
-        .reduce(Partial::default, Partial::merged);
+        .reduce(Partial::default, |a, b| a.merged(&b));
     Integrals {
         volume: partial.volume() * spacing.cell_volume(),
         surface: partial.surface(spacing.cell_volume()),

@@ -130,7 +130,7 @@ impl Partial {
 
     /// Two parts as one.
     #[must_use]
-    pub fn merged(mut self, other: Self) -> Self {
+    pub fn merged(mut self, other: &Self) -> Self {
         self.volume.merge(&other.volume);
         self.surface.merge(&other.surface);
         self.inside_voxels += other.inside_voxels;

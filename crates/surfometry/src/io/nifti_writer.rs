@@ -63,7 +63,7 @@ impl Header {
 }
 
 fn header(grid: &Grid, datatype: i16, bytes: usize) -> Vec<u8> {
-    if grid.dimensions().iter().all(|&n| n <= i16::MAX as usize) {
+    if grid.dimensions().iter().all(|&n| i16::try_from(n).is_ok()) {
         header_1(grid, datatype, bytes)
     } else {
         header_2(grid, datatype, bytes)

@@ -167,9 +167,8 @@ fn geometry(fields: &Fields, axes: &[usize]) -> Result<Geometry, ReadError> {
 fn to_ras(affine: Affine, space: &str) -> Result<Affine, ReadError> {
     match space.to_lowercase().as_str() {
         "left-posterior-superior" | "lps" => Ok(affine.with_lps_swapped()),
-        "left-anterior-superior" | "las" => Ok(mirrored_x(affine)),
+        "left-anterior-superior" | "las" | "3d-left-handed" => Ok(mirrored_x(affine)),
         "right-anterior-superior" | "ras" | "scanner-xyz" | "3d-right-handed" | "" => Ok(affine),
-        "3d-left-handed" => Ok(mirrored_x(affine)),
         other => Err(error(format!("space `{other}` is not three-dimensional"))),
     }
 }

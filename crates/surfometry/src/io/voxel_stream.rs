@@ -58,10 +58,8 @@ impl VoxelStream {
     /// Reads on past the last voxel, which makes a decoder compare its checksum.
     fn check_end(&mut self) -> Result<(), ReadError> {
         let expected = total_bytes(&self.header);
-        match self.voxels.read(&mut [0]) {
-            Err(source) => Err(ReadError::Decompression { found: expected, expected, source }),
-            Ok(_) => Ok(()),
-        }
+        let outcome = self.voxels.by_ref().take(1).read_to_end(&mut Vec::new());
+        outcome.map(drop).map_err(|source| ReadError::Decompression { found: expected, expected, source })
     }
 }
 

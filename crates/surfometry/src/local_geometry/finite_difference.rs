@@ -29,10 +29,14 @@ impl<E: Embedding> FiniteDifferences<E> {
         let IndexBox { lower, upper } = phi.region();
         let first: [Stencil; 3] = std::array::from_fn(|a| Stencil::first(index[a], lower[a], upper[a]));
         let second: [Stencil; 3] = std::array::from_fn(|a| Stencil::second(index[a], lower[a], upper[a]));
+        let centre: f64 = phi.get(index).into();
+        // Weights add up to 0: without the centre's value, a constant has exactly no derivative.
         let at = |steps: [(usize, i64); 2]| -> f64 {
             let mut point = index;
-            steps.iter().for_each(|&(axis, step)| point[axis] += step);
-            phi.get(point).into()
+            for (axis, step) in steps {
+                point[axis] += step;
+            }
+            phi.get(point).into() - centre
         };
         let h = self.spacing;
         let along = |a: usize, s: &Stencil| s.terms().map(|(o, w)| w * at([(a, o), (a, 0)])).sum::<f64>();
@@ -41,7 +45,7 @@ impl<E: Embedding> FiniteDifferences<E> {
             first[a].terms().map(|(oa, w)| w * row(oa)).sum::<f64>() / (h[a] * h[b])
         };
         Jet {
-            value: phi.get(index).into(),
+            value: centre,
             gradient: std::array::from_fn(|a| along(a, &first[a]) / h[a]),
             hessian: [
                 along(0, &second[0]) / (h[0] * h[0]),

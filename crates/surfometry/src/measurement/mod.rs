@@ -273,11 +273,11 @@ impl Measurement {
 /// Whether the blurred indicator stays below the level everywhere: it is at most that of the bounding box, whose
 /// maximum is a product of error functions. Spares the convolution with absurdly wide kernels.
 fn vanishes_for_certain(mask: &Mask, sigma: f64, level: f64) -> bool {
+    // Sampled kernels deviate from the integral by less than this at any ratio of sigma to spacing.
+    const SAMPLING: f64 = 0.05;
     let spacing = mask.grid().spacing().mm();
     let extent = mask.bounds().extent();
     let reach =
         |a: usize| libm::erf(extent[a] as f64 * spacing[a] / (2.0 * std::f64::consts::SQRT_2 * sigma));
-    // Sampled kernels deviate from the integral by less than this at any ratio of sigma to spacing.
-    const SAMPLING: f64 = 0.05;
     (0..3).map(|a| (reach(a) + SAMPLING).min(1.0)).product::<f64>() < level
 }

@@ -20,7 +20,7 @@ pub struct Ball {
 }
 
 impl Ball {
-    fn implicit<T: Smooth>(&self, p: [T; 3]) -> T {
+    fn implicit<T: Smooth>(self, p: [T; 3]) -> T {
         // |p|^2 - R^2 over 2 R: smooth everywhere, of unit gradient at the surface.
         (p[0].square() + p[1].square() + p[2].square() + -self.radius * self.radius) * (0.5 / self.radius)
     }

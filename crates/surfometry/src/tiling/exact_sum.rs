@@ -96,7 +96,9 @@ mod tests {
 
     fn sum(values: &[f64]) -> ExactSum {
         let mut total = ExactSum::default();
-        values.iter().for_each(|&v| total.add(v));
+        for &v in values {
+            total.add(v);
+        }
         total
     }
 

@@ -44,6 +44,7 @@ impl Affine {
     }
 
     /// The same directions and origin with other spacings.
+    #[must_use]
     pub fn with_spacing(&self, spacing: [f64; 3]) -> Self {
         let lengths = self.column_lengths();
         let scale = |a: usize| if lengths[a] > 0.0 { spacing[a] / lengths[a] } else { 1.0 };
@@ -54,6 +55,7 @@ impl Affine {
     }
 
     /// All lengths multiplied, as from metres to mm.
+    #[must_use]
     pub fn scaled(&self, factor: f64) -> Self {
         Self {
             linear: self.linear.map(|row| row.map(|v| v * factor)),
@@ -62,6 +64,7 @@ impl Affine {
     }
 
     /// World x and y turned round: LPS to RAS and back.
+    #[must_use]
     pub fn with_lps_swapped(&self) -> Self {
         let flip = [-1.0, -1.0, 1.0];
         Self {

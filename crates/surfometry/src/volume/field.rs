@@ -45,7 +45,7 @@ impl FieldImage {
         while let Some(slab) = reader.next_slab()? {
             match (&mut values, &slab.samples) {
                 (FieldValues::F64(all), samples) => {
-                    for_samples!(samples, v => all.extend(v.iter().map(|v| v.to_f64())))
+                    for_samples!(samples, v => all.extend(v.iter().map(|v| v.to_f64())));
                 }
                 (FieldValues::F32(all), Samples::F64(v)) if all.is_empty() => {
                     let mut doubles = Vec::new();

@@ -78,7 +78,7 @@ fn check_dimensions(dimensions: [usize; 3]) -> Result<(), VolumeError> {
     let voxels = dimensions.iter().try_fold(1usize, |product, &n| product.checked_mul(n));
     // Room for 8-byte values and for signed index arithmetic with halos.
     match voxels {
-        Some(n) if n <= isize::MAX as usize / 16 && dimensions.iter().all(|&n| n <= i32::MAX as usize) => {
+        Some(n) if n <= isize::MAX as usize / 16 && dimensions.iter().all(|&n| i32::try_from(n).is_ok()) => {
             Ok(())
         }
         _ => Err(VolumeError::TooLarge { dimensions }),

@@ -102,6 +102,9 @@ impl Samples {
 /// How far from a whole number a float may be and still be a label: scale factors stored in f32 leave 1e-5.
 const WHOLE_TOLERANCE: f64 = 1e-4;
 
+/// The first f64 beyond the range of i64.
+const TWO_TO_63: f64 = 9_223_372_036_854_775_808.0;
+
 /// A voxel value that can be a label or a field value.
 pub trait Scalar: Copy + PartialEq {
     /// The value, rounded to f64 where 64-bit integers need it.
@@ -138,8 +141,8 @@ macro_rules! float_scalar {
             fn to_label(self) -> Option<i64> {
                 let value = f64::from(self);
                 let whole = value.round();
-                // 2^63 is the first f64 beyond i64; the comparison is false for NaN.
-                ((value - whole).abs() <= WHOLE_TOLERANCE && whole.abs() < 9.223_372_036_854_775_8e18)
+                // Comparisons with NaN are false.
+                ((value - whole).abs() <= WHOLE_TOLERANCE && whole.abs() < TWO_TO_63)
                     .then_some(whole as i64)
             }
         }

@@ -72,11 +72,11 @@ impl LabelSelection {
 
 fn shortened(labels: &[i64]) -> String {
     const SHOWN: usize = 20;
-    let mut text = labels.iter().take(SHOWN).map(i64::to_string).collect::<Vec<_>>().join(", ");
-    if labels.len() > SHOWN {
-        text += &format!(" and {} more", labels.len() - SHOWN);
+    let text = labels.iter().take(SHOWN).map(i64::to_string).collect::<Vec<_>>().join(", ");
+    match labels.len().saturating_sub(SHOWN) {
+        0 => text,
+        more => format!("{text} and {more} more"),
     }
-    text
 }
 
 /// A label selection that cannot be read.

@@ -1,0 +1,146 @@
+//! Each flag: a case that raises it and one that does not.
+
+mod common;
+
+use common::{codes, measure, phantom, poses};
+use surfometry::Measurement;
+use surfometry::measurement::{EmbeddingKind, Measured};
+use surfometry::phantoms::{Ball, Phantom, RoundedBox, Torus};
+use surfometry::volume::{FieldImage, FieldValues, Grid, Mask};
+
+fn ball(radius: f64, spacing: [f64; 3], m: &Measurement) -> Measured {
+    measure(&phantom(Ball { radius }, poses()[0], spacing), m)
+}
+
+fn raised(m: &Measured, code: &str) -> bool {
+    codes(m).contains(&code.to_owned())
+}
+
+/// A good measurement carries `not-computed`, for the fields of the contract that are null in this version, alone.
+#[test]
+fn a_good_measurement_is_not_flagged() {
+    let m = ball(20.0, [1.0, 0.9, 0.8], &Measurement::default());
+    assert_eq!(codes(&m), ["not-computed"]);
+    assert!(m.topology.euler_characteristic_mesh.is_none() && m.grid_noise.volume_mm3.is_none());
+    assert!(m.compensated.standard_error.volume_mm3.is_none());
+}
+
+#[test]
+fn lengths_against_the_grid() {
+    let m = Measurement::default();
+    for (code, raising, quiet) in [
+        ("sigma-below-spacing", m.sigma_mm(0.9), m.sigma_mm(1.0)),
+        ("thickness-below-spacing", m.thickness_mm(2.4), m.thickness_mm(2.5)),
+        ("thickness-above-blur", m.sigma_mm(1.0).thickness_mm(8.0), m.sigma_mm(2.0).thickness_mm(5.0)),
+    ] {
+        assert!(raised(&ball(15.0, [1.0; 3], &raising), code), "{code}");
+        assert!(!raised(&ball(15.0, [1.0; 3], &quiet), code), "{code}");
+    }
+    assert!(raised(&ball(15.0, [0.5, 0.5, 1.0], &m), "thick-slices"));
+    assert!(!raised(&ball(15.0, [0.7, 0.7, 1.0], &m), "thick-slices"));
+}
+
+#[test]
+fn touching_the_border() {
+    let grid = Grid::axis_aligned([20; 3], [1.0; 3]).unwrap();
+    let cube =
+        |from: usize| Mask::from_predicate(grid, move |i| i.iter().all(|&v| (from..from + 15).contains(&v)));
+    let m = Measurement::default();
+    assert!(raised(&m.run(&cube(0)).unwrap(), "touches-border"));
+    assert!(raised(&m.run(&cube(5)).unwrap(), "touches-border"));
+    assert!(!raised(&m.run(&cube(2)).unwrap(), "touches-border"));
+    // The border is harmless: the cap closes the object, so the cube is the same wherever it lies.
+    let (edge, middle) = (m.run(&cube(0)).unwrap(), m.run(&cube(2)).unwrap());
+    assert!((edge.surface_area_mm2.unwrap() / middle.surface_area_mm2.unwrap() - 1.0).abs() < 1e-6);
+    assert!((edge.euler_characteristic.unwrap() - 2.0).abs() < 0.05);
+}
+
+#[test]
+fn an_object_that_the_blur_removes_is_null_and_no_error() {
+    let m = Measurement::default();
+    for sigma in [4.0, 30.0, 1e6] {
+        let gone = ball(4.0, [1.0; 3], &m.sigma_mm(sigma).thickness_mm(2.5));
+        assert!(raised(&gone, "surface-vanished"), "sigma {sigma}");
+        assert!(gone.volume_mm3.is_none() && gone.euler_characteristic.is_none());
+        assert!(gone.compensated.volume_mm3.is_none());
+        assert!(gone.voxels.count > 200 && gone.topology.components == 1);
+    }
+    assert!(!raised(&ball(4.0, [1.0; 3], &m.sigma_mm(1.5).thickness_mm(2.5)), "surface-vanished"));
+}
+
+#[test]
+fn thin_objects() {
+    let plate = |half: f64| {
+        let shape = RoundedBox { radii: [25.0, 25.0, half], radius: half * 0.9 };
+        measure(&phantom(shape, poses()[0], [1.0; 3]), &Measurement::default().sigma_mm(2.0))
+    };
+    assert!(raised(&plate(2.5), "thin-for-sigma"), "5 mm thick at sigma 2");
+    assert!(!raised(&plate(6.0), "thin-for-sigma"), "12 mm thick at sigma 2");
+    // Thick on the whole, with a thin part that the blur takes: seen by the volume.
+    let grid = Grid::axis_aligned([70, 60, 60], [1.0; 3]).unwrap();
+    let lollipop = Mask::from_predicate(grid, |[x, y, z]| {
+        let body = (5..30).contains(&x) && (15..45).contains(&y) && (15..45).contains(&z);
+        let fins = (30..65).contains(&x) && (5..55).contains(&y) && (29..32).contains(&z);
+        body || fins
+    });
+    assert!(raised(&Measurement::default().sigma_mm(2.0).run(&lollipop).unwrap(), "thin-for-sigma"));
+}
+
+#[test]
+fn euler_characteristics() {
+    let torus = |sigma, thickness| {
+        let phantom = Phantom::new(Torus { major: 12.0, minor: 5.0 }, poses()[0], [1.0; 3]).unwrap();
+        measure(&phantom, &Measurement::default().sigma_mm(sigma).thickness_mm(thickness))
+    };
+    // Undersampled blur and band: grid noise.
+    assert!(raised(&torus(0.5, 1.0), "euler-not-integer"));
+    assert!(!raised(&torus(2.0, 2.5), "euler-not-integer"));
+    // A pinhole that the blur closes: chi 0 for the voxels, 2 for the surface.
+    let grid = Grid::axis_aligned([30; 3], [1.0; 3]).unwrap();
+    let block = |hole: bool| {
+        Mask::from_predicate(grid, move |[x, y, z]| {
+            let inside = [x, y, z].iter().all(|v| (5..25).contains(v));
+            inside && !(hole && x == 15 && y == 15)
+        })
+    };
+    let m = Measurement::default();
+    let pierced = m.run(&block(true)).unwrap();
+    assert_eq!(pierced.topology.handles, 1);
+    assert!(raised(&pierced, "euler-differs-from-voxels"), "{:?}", pierced.euler_characteristic);
+    assert!(!raised(&m.run(&block(false)).unwrap(), "euler-differs-from-voxels"));
+}
+
+#[test]
+fn choices_without_compensation() {
+    let m = Measurement::default();
+    let level = ball(12.0, [1.0; 3], &m.level(0.4).thickness_mm(2.5));
+    assert!(raised(&level, "compensation-undefined") && level.compensated.volume_mm3.is_none());
+    let distance = ball(12.0, [1.0; 3], &m.embedding(EmbeddingKind::Distance));
+    assert!(raised(&distance, "distance-quantised") && raised(&distance, "compensation-undefined"));
+    assert!(!raised(&ball(12.0, [1.0; 3], &m), "compensation-undefined"));
+}
+
+#[test]
+fn fields_with_flat_spots() {
+    let grid = Grid::axis_aligned([24; 3], [1.0; 3]).unwrap();
+    // A plateau of exactly zero gradient inside the band.
+    let value = |[x, y, z]: [usize; 3]| {
+        let d =
+            ((x as f64 - 11.5).powi(2) + (y as f64 - 11.5).powi(2) + (z as f64 - 11.5).powi(2)).sqrt() - 8.0;
+        if d > 1.0 { 1.0 } else { d }
+    };
+    let values = (0..grid.voxel_count()).map(|o| value(grid.index_of(o))).collect();
+    let field = FieldImage::new(grid, FieldValues::F64(values)).unwrap();
+    assert!(raised(&Measurement::default().epsilon(1.5).run_field(&field).unwrap(), "vanishing-gradient"));
+    assert!(!raised(&Measurement::default().epsilon(0.9).run_field(&field).unwrap(), "vanishing-gradient"));
+}
+
+#[test]
+fn truth_that_cannot_be_had() {
+    let known = surfometry::runs::open_labels("phantom:schwarz-p", None).unwrap();
+    assert!(known.truth.is_some() && known.flags.is_empty());
+    // Ten periods: a lattice fine enough for the quadrature would take minutes, so it is not tried.
+    let fine = surfometry::runs::open_labels("phantom:gyroid?period=6&size=60", None).unwrap();
+    assert!(fine.truth.is_none());
+    assert_eq!(fine.flags[0].code.to_string(), "truth-not-converged");
+}
