@@ -67,7 +67,9 @@ fn rows(record: &Record) -> Vec<Vec<String>> {
     let m = &record.measured;
     let number = |v: Option<f64>| v.map_or_else(|| "-".to_owned(), digits);
     let label = record.label.as_ref().map_or_else(String::new, ToString::to_string);
-    let chi = |v: Option<f64>| v.map_or_else(|| "-".to_owned(), |chi| format!("{chi:.3}"));
+    // Rounded before it is printed, and 0 added, so that no -0.000 appears.
+    let thousandths = |chi: f64| (chi * 1000.0).round() / 1000.0 + 0.0;
+    let chi = |v: Option<f64>| v.map_or_else(|| "-".to_owned(), |chi| format!("{:.3}", thousandths(chi)));
     let c = &m.compensated;
     let mut rows = vec![vec![
         label,

@@ -58,7 +58,7 @@ pub struct PlainValues {
     pub surface_area_mm2: Option<f64>,
     /// M, the integral of H.
     pub total_mean_curvature_mm: Option<f64>,
-    /// M / A, the paper's <H>.
+    /// M / A, the paper's `<H>`.
     pub average_mean_curvature_per_mm: Option<f64>,
     /// The integral of K.
     pub total_gaussian_curvature: Option<f64>,

@@ -1,0 +1,352 @@
+//! The command line as a user meets it: exit status, stdout, stderr, files.
+
+use serde_json::Value;
+use std::path::Path;
+use std::process::{Command, Output};
+
+fn run(args: &[&str]) -> Output {
+    run_in(Path::new("."), args)
+}
+
+fn run_in(folder: &Path, args: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_surfometry")).current_dir(folder).args(args).output().expect("it starts")
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8(bytes.to_vec()).unwrap()
+}
+
+fn json(args: &[&str]) -> Value {
+    let output = run(&[args, &["--format", "json"]].concat());
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    serde_json::from_slice(&output.stdout).unwrap()
+}
+
+/// Keys of an object, nested, in order.
+fn keys(value: &Value) -> Vec<String> {
+    let mut all = Vec::new();
+    if let Value::Object(fields) = value {
+        for (key, inner) in fields {
+            all.push(key.clone());
+            all.extend(keys(inner).into_iter().map(|k| format!("{key}.{k}")));
+        }
+    }
+    all
+}
+
+const BALL: &str = "phantom:ball?radius=10&shift=0.3,0.2,0.1";
+
+/// DESIGN.md 4, field by field and in its order; fields may be added, never renamed.
+#[test]
+fn json_is_the_contract() {
+    let document = json(&["measure", BALL]);
+    assert_eq!(document["schema"], "surfometry.measure/1");
+    assert_eq!(document["version"], env!("CARGO_PKG_VERSION"));
+    assert_eq!(document["failures"], Value::Array(Vec::new()));
+    let record = &document["results"][0];
+    let plain = [
+        "volume_mm3",
+        "surface_area_mm2",
+        "total_mean_curvature_mm",
+        "average_mean_curvature_per_mm",
+        "total_gaussian_curvature",
+        "euler_characteristic",
+        "total_squared_mean_curvature",
+    ];
+    let four = &plain[..4];
+    let group = |name: &str, fields: &[&str]| {
+        let inner = fields.iter().map(|f| format!("{name}.{f}"));
+        [name.to_owned()].into_iter().chain(inner).collect::<Vec<_>>()
+    };
+    let error = |f: &&str| format!("compensated.standard_error.{f}");
+    let mut expected: Vec<String> =
+        ["input", "label", "name"].iter().chain(&plain).map(ToString::to_string).collect();
+    expected.extend(group("compensated", four));
+    expected.push("compensated.standard_error".to_owned());
+    expected.extend(four.iter().map(error));
+    expected.extend(group("grid_noise", &plain));
+    expected.extend(group("voxels", &["count", "volume_mm3", "centroid_mm", "bounding_box"]));
+    expected.extend(group(
+        "topology",
+        &[
+            "euler_characteristic_mesh",
+            "euler_characteristic_voxels_26",
+            "euler_characteristic_voxels_6",
+            "components",
+            "cavities",
+            "handles",
+        ],
+    ));
+    expected.extend(group("truth", &plain[..6]));
+    expected.extend(group(
+        "parameters",
+        &["embedding", "derivatives", "quadrature", "delta", "sigma_mm", "thickness_mm", "level", "epsilon"],
+    ));
+    expected.extend(group("grid", &["dimensions", "spacing_mm"]));
+    expected.extend(["flags", "read_seconds", "seconds"].map(str::to_owned));
+    assert_eq!(keys(record), expected);
+    assert_eq!(record["label"], 1);
+    assert!(record["name"].is_null() && record["grid_noise"]["volume_mm3"].is_null());
+    assert_eq!(record["flags"][0]["code"], "not-computed");
+    assert_eq!(record["parameters"]["derivatives"], "gaussian");
+    let chi = record["euler_characteristic"].as_f64().unwrap();
+    assert!((chi - 2.0).abs() < 0.01);
+}
+
+#[test]
+fn paper_settings_and_what_overrides_them() {
+    let parameters = |args: &[&str]| {
+        json(&[&["measure", BALL, "--paper"], args].concat())["results"][0]["parameters"].clone()
+    };
+    let paper = parameters(&[]);
+    assert_eq!(paper["derivatives"], "finite-difference");
+    assert_eq!(paper["quadrature"], "simpson");
+    assert_eq!(paper["sigma_mm"], 2.0);
+    assert_eq!(paper["thickness_mm"], 2.5);
+    let changed = parameters(&["--sigma", "1.5", "--quadrature", "sum"]);
+    assert_eq!(changed["sigma_mm"], 1.5);
+    assert_eq!(changed["quadrature"], "sum");
+    let automatic = parameters(&["--sigma", "auto", "--epsilon", "0.2"]);
+    assert_eq!(automatic["sigma_mm"], 2.0);
+    assert!(automatic["thickness_mm"].is_null());
+    assert_eq!(automatic["epsilon"], 0.2);
+}
+
+#[test]
+fn table_shows_plain_compensated_and_exact() {
+    let output = run(&["measure", "phantom:torus?major=15&minor=6&rotate=20,30,40&shift=0.3,0.2,0.1"]);
+    let table = text(&output.stdout);
+    for word in ["blurred", "original", "exact", "volume mm³", "chi", "sigma 2 mm"] {
+        assert!(table.contains(word), "{word} is missing in\n{table}");
+    }
+    assert!(output.stderr.is_empty(), "{}", text(&output.stderr));
+}
+
+#[test]
+fn failed_inputs_are_listed_and_the_others_measured() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("bad.nii"), b"nonsense").unwrap();
+    let args = ["measure", "bad.nii", BALL, "missing.nrrd", "phantom:cube"];
+    let output = run_in(folder.path(), &[&args[..], &["--format", "json"]].concat());
+    assert_eq!(output.status.code(), Some(1));
+    let document: Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(document["results"].as_array().unwrap().len(), 1);
+    let failed: Vec<&str> =
+        document["failures"].as_array().unwrap().iter().map(|f| f["input"].as_str().unwrap()).collect();
+    assert_eq!(failed, ["bad.nii", "missing.nrrd", "phantom:cube"]);
+    let errors = text(&output.stderr);
+    assert!(errors.contains("surfometry: bad.nii:") && errors.contains("No such file"), "{errors}");
+    let csv = run_in(folder.path(), &[&args[..], &["--format", "csv"]].concat());
+    let lines: Vec<String> = text(&csv.stdout).lines().map(str::to_owned).collect();
+    assert_eq!(lines.len(), 5);
+    let column = lines[0].split(',').position(|c| c == "input").unwrap();
+    assert_eq!(column, 0);
+    assert!(lines[0].ends_with("error") && lines[0].contains("compensated_standard_error_volume_mm3"));
+    assert!(
+        lines[0].contains("voxels_centroid_mm_x,voxels_centroid_mm_y")
+            && lines[0].contains("voxels_bounding_box_min_x")
+    );
+    assert!(lines[2].starts_with("bad.nii,") && !lines[2].ends_with(','));
+}
+
+#[test]
+fn wrong_commands_end_with_2() {
+    let wrong: [&[&str]; 14] = [
+        &["measure"],
+        &["measur", BALL],
+        &["measure", BALL, "--sigma", "0"],
+        &["measure", BALL, "--sigma", "-1"],
+        &["measure", BALL, "--sigma", "nan"],
+        &["measure", BALL, "--thickness", "inf"],
+        &["measure", BALL, "--level", "1"],
+        &["measure", BALL, "--label", "x"],
+        &["measure", BALL, "--spacing", "1,0,1"],
+        &["measure", BALL, "--spacing", "1,1"],
+        &["measure", BALL, "--thickness", "2", "--epsilon", "0.1"],
+        &["measure", BALL, "--embedding", "distance", "--sigma", "2"],
+        &["measure", BALL, "--embedding", "distance", "--derivatives", "gaussian"],
+        &["measure", BALL, "--threads", "0"],
+    ];
+    for args in wrong {
+        let output = run(args);
+        assert_eq!(output.status.code(), Some(2), "{args:?}");
+        assert!(output.stdout.is_empty() && !output.stderr.is_empty(), "{args:?}");
+    }
+}
+
+#[test]
+fn output_is_written_whole_or_not_at_all() {
+    let folder = tempfile::tempdir().unwrap();
+    let ok = run_in(folder.path(), &["measure", BALL, "--format", "csv", "-o", "out.csv"]);
+    assert_eq!(ok.status.code(), Some(0));
+    assert!(ok.stdout.is_empty());
+    let before = std::fs::read(folder.path().join("out.csv")).unwrap();
+    assert!(before.starts_with(b"input,label,name,volume_mm3"));
+    let nowhere = run_in(folder.path(), &["measure", BALL, "-o", "no/such/folder/out.csv"]);
+    assert_eq!(nowhere.status.code(), Some(2));
+    assert!(text(&nowhere.stderr).contains("no/such/folder/out.csv"));
+    let wrong = run_in(folder.path(), &["measure", BALL, "--sigma", "0", "-o", "out.csv"]);
+    assert_eq!(wrong.status.code(), Some(2));
+    assert_eq!(std::fs::read(folder.path().join("out.csv")).unwrap(), before);
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1, "no temporary file is left");
+}
+
+/// Everything but the times is the same text for any number of threads.
+#[test]
+fn threads_do_not_change_the_output() {
+    let stripped = |threads: &str| {
+        let input = "phantom:genus?genus=1&rotate=10,20,30&spacing=1,0.8,0.9";
+        let mut document = json(&["measure", input, "--threads", threads]);
+        for key in ["seconds", "read_seconds"] {
+            document["results"][0][key] = Value::Null;
+        }
+        document.to_string()
+    };
+    let one = stripped("1");
+    assert_eq!(one, stripped("2"));
+    assert_eq!(one, stripped("3"));
+}
+
+#[test]
+fn a_phantom_written_and_read_is_the_same_phantom() {
+    let folder = tempfile::tempdir().unwrap();
+    let spec = "ellipsoid?radii=12,9,8&rotate=10,20,30&shift=0.2,0.3,0.4&spacing=0.8,1,1.2";
+    let written = run_in(folder.path(), &["phantom", spec, "-o", "e.nii.gz"]);
+    assert_eq!(written.status.code(), Some(0), "{}", text(&written.stderr));
+    let file = folder.path().join("e.nii.gz");
+    let from_file = json(&["measure", file.to_str().unwrap()])["results"][0].clone();
+    let from_memory = json(&["measure", &format!("phantom:{spec}")])["results"][0].clone();
+    assert_eq!(from_file["voxels"]["count"], from_memory["voxels"]["count"]);
+    for key in ["volume_mm3", "surface_area_mm2", "total_mean_curvature_mm"] {
+        let (a, b) = (from_file[key].as_f64().unwrap(), from_memory[key].as_f64().unwrap());
+        assert!((a / b - 1.0).abs() < 1e-6, "{key}: {a} {b}");
+    }
+    let truth: Value =
+        serde_json::from_slice(&std::fs::read(folder.path().join("e.truth.json")).unwrap()).unwrap();
+    assert_eq!(truth["truth"], from_memory["truth"]);
+    assert!(from_file.get("truth").is_none());
+    let refused = run_in(folder.path(), &["phantom", spec, "-o", "e.stl"]);
+    assert_eq!(refused.status.code(), Some(2));
+}
+
+/// Two labels, one at a time, listed, united, and one that is not there.
+#[test]
+fn labels_are_chosen_and_united() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut voxels = vec![0u8; 30 * 30 * 30];
+    for (i, voxel) in voxels.iter_mut().enumerate() {
+        let (x, y, z) = (i % 30, i / 30 % 30, i / 900);
+        if (5..25).contains(&x) && (8..22).contains(&y) && (8..22).contains(&z) {
+            *voxel = if x < 15 { 1 } else { 4 };
+        }
+    }
+    let header = "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 30 30 30\nspacings: 1 1 1\nencoding: raw\n\n";
+    let path = folder.path().join("two.nrrd");
+    std::fs::write(&path, [header.as_bytes(), &voxels].concat()).unwrap();
+    let path = path.to_str().unwrap();
+    let labels = |args: &[&str]| -> Vec<Value> {
+        let document = json(&[&["measure", path, "--sigma", "1"], args].concat());
+        document["results"].as_array().unwrap().iter().map(|r| r["label"].clone()).collect()
+    };
+    assert_eq!(labels(&[]), [Value::from(1), Value::from(4)]);
+    assert_eq!(labels(&["--label", "4"]), [Value::from(4)]);
+    assert_eq!(labels(&["--label", "4,1"]), [Value::from(4), Value::from(1)]);
+    assert_eq!(labels(&["--label", "1+4"]), [Value::from("1+4")]);
+    let volume = |label: &str| {
+        json(&["measure", path, "--sigma", "1", "--label", label])["results"][0]["voxels"]["count"].clone()
+    };
+    assert_eq!(volume("1+4"), 20 * 14 * 14);
+    let missing = run(&["measure", path, "--label", "9"]);
+    assert_eq!(missing.status.code(), Some(1));
+    assert!(
+        text(&missing.stderr).contains("no label 9 in the image; it holds 1, 4"),
+        "{}",
+        text(&missing.stderr)
+    );
+    let info = text(&run(&["info", path]).stdout);
+    assert!(info.contains("NRRD, uint8, 30 x 30 x 30 voxels") && info.contains("[5,8,8]"), "{info}");
+}
+
+#[test]
+fn an_object_that_the_blur_removes_is_no_failure() {
+    let document = json(&["measure", "phantom:ball?radius=3", "--sigma", "10"]);
+    let record = &document["results"][0];
+    assert!(record["volume_mm3"].is_null() && record["compensated"]["volume_mm3"].is_null());
+    let codes: Vec<&str> =
+        record["flags"].as_array().unwrap().iter().map(|f| f["code"].as_str().unwrap()).collect();
+    assert!(codes.contains(&"surface-vanished"), "{codes:?}");
+}
+
+#[test]
+fn images_of_different_spacing_get_a_warning() {
+    let two = ["measure", BALL, "phantom:ball?radius=10&spacing=1,1,2"];
+    let warned = run(&two);
+    assert_eq!(warned.status.code(), Some(0));
+    assert!(text(&warned.stderr).contains("use --sigma 2.5198"), "{}", text(&warned.stderr));
+    for silent in [&["--sigma", "2"][..], &["--quiet"]] {
+        assert!(run(&[&two[..], silent].concat()).stderr.is_empty());
+    }
+    // A result does not depend on what else is measured in the run.
+    let alone = json(&["measure", BALL])["results"][0]["volume_mm3"].clone();
+    assert_eq!(json(&two)["results"][0]["volume_mm3"], alone);
+}
+
+#[test]
+fn patterns_name_files() {
+    let folder = tempfile::tempdir().unwrap();
+    for name in ["b.nii", "a.nii"] {
+        assert_eq!(run_in(folder.path(), &["phantom", "ball?radius=4", "-o", name]).status.code(), Some(0));
+    }
+    let output = run_in(folder.path(), &["measure", "*.nii", "--sigma", "1", "--format", "csv"]);
+    let inputs: Vec<String> =
+        text(&output.stdout).lines().skip(1).map(|l| l.split(',').next().unwrap().to_owned()).collect();
+    assert_eq!(inputs, ["a.nii", "b.nii"]);
+    let none = run_in(folder.path(), &["measure", "*.mha"]);
+    assert_eq!(none.status.code(), Some(1));
+    assert!(text(&none.stderr).contains("*.mha"));
+}
+
+#[test]
+fn a_field_is_measured_as_it_is() {
+    let folder = tempfile::tempdir().unwrap();
+    let distance =
+        |x: f64, y: f64, z: f64| ((x - 15.3).powi(2) + (y - 15.1).powi(2) + (z - 14.8).powi(2)).sqrt() - 9.0;
+    let values =
+        (0..27_000).map(|i| distance(f64::from(i % 30), f64::from(i / 30 % 30), f64::from(i / 900)) as f32);
+    let header = "NRRD0004\ntype: float\ndimension: 3\nsizes: 30 30 30\nspacings: 1 1 1\nendian: little\nencoding: raw\n\n";
+    let path = folder.path().join("phi.nrrd");
+    std::fs::write(&path, [header.as_bytes().to_vec(), values.flat_map(f32::to_le_bytes).collect()].concat())
+        .unwrap();
+    let path = path.to_str().unwrap();
+    let record = json(&["measure", path, "--embedding", "given"])["results"][0].clone();
+    assert!(record["label"].is_null() && record["parameters"]["sigma_mm"].is_null());
+    let area = record["surface_area_mm2"].as_f64().unwrap();
+    assert!((area / (4.0 * std::f64::consts::PI * (81.0 + 0.2)) - 1.0).abs() < 2e-3, "{area}");
+    let as_labels = run(&["measure", path]);
+    assert_eq!(as_labels.status.code(), Some(1));
+    assert!(text(&as_labels.stderr).contains("--embedding given"), "{}", text(&as_labels.stderr));
+}
+
+#[test]
+fn help_names_every_command_and_option() {
+    let help = text(&run(&["measure", "--help"]).stdout);
+    for option in [
+        "--label",
+        "--sigma",
+        "--thickness",
+        "--epsilon",
+        "--level",
+        "--embedding",
+        "--derivatives",
+        "--quadrature",
+        "--delta",
+        "--paper",
+        "--spacing",
+        "--format",
+        "--output",
+        "--threads",
+        "--quiet",
+    ] {
+        assert!(help.contains(option), "{option}");
+    }
+}
