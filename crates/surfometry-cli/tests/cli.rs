@@ -350,3 +350,15 @@ fn help_names_every_command_and_option() {
         assert!(help.contains(option), "{option}");
     }
 }
+
+/// The README's first example prints what the README shows.
+#[test]
+fn the_readme_shows_what_the_program_prints() {
+    let readme = include_str!("../../../README.md");
+    let shown =
+        readme.split("```text\n").nth(1).and_then(|rest| rest.split("```").next()).expect("a text block");
+    let spec = shown.lines().next().unwrap();
+    assert!(readme.contains(&format!("cargo run --release -- measure '{spec}'")));
+    let printed = text(&run(&["measure", spec]).stdout);
+    assert!(printed.starts_with(shown), "the README shows\n{shown}\nthe program prints\n{printed}");
+}

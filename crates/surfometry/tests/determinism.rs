@@ -4,8 +4,14 @@ mod common;
 
 use common::poses;
 use surfometry::Measurement;
+use surfometry::embedding::{GaussianEmbedding, TRUNCATION};
+use surfometry::integrals::{
+    Integrals, Partial, Quadrature, QuadratureRule, SmearedDelta, Smearing, integrate_boxes,
+};
+use surfometry::local_geometry::{Differentiation, GaussianDerivatives};
 use surfometry::measurement::{Derivatives, EmbeddingKind, Measured};
 use surfometry::phantoms::{Genus, Phantom};
+use surfometry::tiling::{IndexBox, TILE_EDGE};
 use surfometry::volume::{Grid, Mask};
 
 fn bits(m: &Measured) -> Vec<u64> {
@@ -58,4 +64,26 @@ fn surroundings_do_not_change_a_bit() {
     for m in [Measurement::default(), Measurement::paper()] {
         assert_eq!(bits(&m.run(&mask).unwrap()), bits(&m.run(&larger).unwrap()));
     }
+}
+
+/// Tiles dealt out in any way, merged in any order: the same bits. This is what slabs and machines will rest on.
+#[test]
+fn any_split_of_the_tiles_merges_to_the_same_bits() {
+    let shape = Genus { genus: 2, major: 12.0, minor: 8.0 };
+    let mask = Phantom::new(shape, poses()[2], [0.7, 0.6, 0.8]).unwrap().labels().unwrap().mask(1);
+    let scheme = GaussianDerivatives::new(GaussianEmbedding::new(&mask, 1.6, 0.5, TRUNCATION));
+    let delta = SmearedDelta::new(Smearing::Sine, 0.25, 0.5);
+    let quadrature = Quadrature::unbounded(QuadratureRule::Sum);
+    let tiles = scheme.support(delta.half_width()).tiles(TILE_EDGE);
+    let spacing = mask.grid().spacing();
+    let whole = Integrals::of(&integrate_boxes(&scheme, &tiles, &delta, &quadrature), spacing);
+    for parts in [2, 3, 7] {
+        let part = |n: usize| -> Partial {
+            let own: Vec<IndexBox> = tiles.iter().skip(n).step_by(parts).copied().collect();
+            integrate_boxes(&scheme, &own, &delta, &quadrature)
+        };
+        let merged = (0..parts).rev().fold(Partial::default(), |sum, n| sum.merged(&part(n)));
+        assert_eq!(Integrals::of(&merged, spacing), whole, "{parts} parts of {} tiles", tiles.len());
+    }
+    assert!(tiles.len() > 7 && whole.surface.area > 0.0);
 }

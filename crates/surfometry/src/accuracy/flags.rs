@@ -76,8 +76,8 @@ pub struct Evidence {
     pub sigma: Option<f64>,
     /// Band thickness in mm, where known.
     pub thickness: Option<f64>,
-    /// Half-width of the band and the smallest |phi| at which the field saturates.
-    pub half_width: f64,
+    /// Half-width eps of the delta.
+    pub epsilon: f64,
     /// Smallest |phi| at which the field saturates.
     pub saturation: f64,
     /// Volume by counting voxels, mm^3.
@@ -139,7 +139,7 @@ fn grid_flags(e: &Evidence) -> Vec<Flag> {
 
 fn band_flags(e: &Evidence) -> Vec<Flag> {
     let mut flags = Vec::new();
-    if e.half_width >= SATURATED_SHARE * e.saturation {
+    if e.epsilon >= SATURATED_SHARE * e.saturation {
         flags.push(Flag::new(
             FlagCode::ThicknessAboveBlur,
             "the band reaches where the blurred edge is flat; choose a smaller --thickness or a larger --sigma".to_owned(),

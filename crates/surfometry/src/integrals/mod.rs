@@ -9,7 +9,7 @@ pub use quadrature::{Quadrature, QuadratureRule};
 pub use smeared::{SmearedDelta, Smearing};
 
 use crate::local_geometry::Differentiation;
-use crate::tiling::TILE_EDGE;
+use crate::tiling::{IndexBox, TILE_EDGE};
 use crate::volume::Spacing;
 use rayon::prelude::*;
 
@@ -22,19 +22,23 @@ pub fn integrate<D: Differentiation + ?Sized>(
     quadrature: &Quadrature,
     spacing: Spacing,
 ) -> Integrals {
-    let half_width = delta.half_width();
-    let tiles = scheme.support(half_width).tiles(TILE_EDGE);
-    let partial = tiles
-        .par_iter()
-        .map(|tile| Partial::of_tile(&scheme.sample(tile, half_width), delta, quadrature))
-        .reduce(Partial::default, |a, b| a.merged(&b));
-    Integrals {
-        volume: partial.volume() * spacing.cell_volume(),
-        surface: partial.surface(spacing.cell_volume()),
-        inside_voxels: partial.inside_voxels,
-        band_voxels: partial.band_voxels,
-        voxels_without_normal: partial.voxels_without_normal,
-    }
+    let tiles = scheme.support(delta.half_width()).tiles(TILE_EDGE);
+    Integrals::of(&integrate_boxes(scheme, &tiles, delta, quadrature), spacing)
+}
+
+/// The part of an object's integrals that lies in some boxes, each of which is one tile or a part of one.
+///
+/// Parts of disjoint lists of whole tiles merge into the same bits however the tiles were dealt out: over threads,
+/// slabs or machines.
+pub fn integrate_boxes<D: Differentiation + ?Sized>(
+    scheme: &D,
+    boxes: &[IndexBox],
+    delta: &SmearedDelta,
+    quadrature: &Quadrature,
+) -> Partial {
+    let part =
+        |region: &IndexBox| Partial::of_tile(&scheme.sample(region, delta.half_width()), delta, quadrature);
+    boxes.par_iter().map(part).reduce(Partial::default, |a, b| a.merged(&b))
 }
 
 /// Integrals over one object, in powers of mm.
@@ -50,4 +54,17 @@ pub struct Integrals {
     pub band_voxels: u64,
     /// Band voxels left out of the curvature integrals because the gradient vanishes there.
     pub voxels_without_normal: u64,
+}
+
+impl Integrals {
+    /// The integrals that the parts of an object add up to.
+    pub fn of(whole: &Partial, spacing: Spacing) -> Self {
+        Self {
+            volume: whole.volume() * spacing.cell_volume(),
+            surface: whole.surface(spacing.cell_volume()),
+            inside_voxels: whole.inside_voxels,
+            band_voxels: whole.band_voxels,
+            voxels_without_normal: whole.voxels_without_normal,
+        }
+    }
 }

@@ -222,7 +222,7 @@ impl Measurement {
             distance: self.embedding == EmbeddingKind::Distance,
             sigma: parameters.sigma_mm,
             thickness: parameters.thickness_mm,
-            half_width: delta.half_width(),
+            epsilon: parameters.epsilon,
             saturation: parameters.saturation(),
             voxel_volume: voxels.volume_mm3,
             voxel_euler: topology.euler_characteristic_26,

@@ -27,6 +27,7 @@ pub struct LabelSummary {
     pub voxels: u64,
     /// Bounding box.
     pub bounds: IndexBox,
+    code: usize,
 }
 
 #[derive(Debug, Clone)]
@@ -59,6 +60,11 @@ impl LabelImage {
         &self.summaries
     }
 
+    /// What is known of one label; `None` for one that does not occur, or background.
+    pub fn summary(&self, label: i64) -> Option<&LabelSummary> {
+        self.summaries.binary_search_by_key(&label, |s| s.label).ok().map(|n| &self.summaries[n])
+    }
+
     /// The voxels of one label.
     ///
     /// The mask of a label that does not occur is empty.
@@ -68,14 +74,16 @@ impl LabelImage {
 
     /// The voxels of all the labels in a group, as one object.
     pub fn group_mask(&self, group: &LabelGroup) -> Mask {
-        let members: Vec<_> = self.summaries.iter().filter(|s| group.labels().contains(&s.label)).collect();
+        let members: Vec<&LabelSummary> = group.labels().iter().filter_map(|&l| self.summary(l)).collect();
         let bounds = members.iter().fold(IndexBox::EMPTY, |bounds, s| bounds.hull(&s.bounds));
-        let chosen: Vec<bool> =
-            self.labels.iter().enumerate().map(|(code, l)| code > 0 && group.labels().contains(l)).collect();
+        let mut codes: Vec<usize> = members.iter().map(|s| s.code).collect();
+        codes.sort_unstable();
         let [nx, ny, _] = self.grid.dimensions();
         Mask::from_rows(self.grid, bounds, |y, z, row| {
             let start = (z * ny + y) * nx;
-            self.codes.for_row(start + bounds.lower[0] as usize, row.len(), |x, code| row[x] = chosen[code]);
+            self.codes.for_row(start + bounds.lower[0] as usize, row.len(), |x, code| {
+                row[x] = codes.binary_search(&code).is_ok();
+            });
         })
     }
 
@@ -148,7 +156,7 @@ impl Builder {
             labels: vec![0],
             code_of: HashMap::from([(0, 0)]),
             codes: Codes::U8(codes),
-            summaries: vec![LabelSummary::empty(0)],
+            summaries: vec![LabelSummary::empty(0, 0)],
         })
     }
 
@@ -179,10 +187,11 @@ impl Builder {
         if let Some(&code) = self.code_of.get(&label) {
             return Ok(code);
         }
+        let code = self.labels.len();
         self.labels.push(label);
-        self.summaries.push(LabelSummary::empty(label));
-        self.code_of.insert(label, self.labels.len() - 1);
-        Ok(self.labels.len() - 1)
+        self.summaries.push(LabelSummary::empty(label, code));
+        self.code_of.insert(label, code);
+        Ok(code)
     }
 
     fn finish(mut self) -> Result<LabelImage, VolumeError> {
@@ -207,8 +216,8 @@ fn label_error(value: f64, index: [usize; 3]) -> VolumeError {
 }
 
 impl LabelSummary {
-    fn empty(label: i64) -> Self {
-        Self { label, voxels: 0, bounds: IndexBox::EMPTY }
+    fn empty(label: i64, code: usize) -> Self {
+        Self { label, voxels: 0, bounds: IndexBox::EMPTY, code }
     }
 
     fn add_run(&mut self, start: usize, length: usize, y: usize, z: usize) {

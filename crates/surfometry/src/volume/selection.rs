@@ -55,28 +55,24 @@ impl LabelSelection {
     /// # Errors
     /// [`VolumeError::NoForeground`], or [`VolumeError::NoSuchLabel`] for one that does not occur.
     pub fn resolve(&self, image: &LabelImage) -> Result<Vec<LabelGroup>, VolumeError> {
-        let present: Vec<i64> = image.summaries().iter().map(|s| s.label).collect();
-        if present.is_empty() {
-            return Err(VolumeError::NoForeground);
-        }
+        let present = || image.summaries().iter().map(|s| s.label);
         let groups = match self {
-            Self::All => return Ok(present.into_iter().map(LabelGroup::single).collect()),
+            _ if image.summaries().is_empty() => return Err(VolumeError::NoForeground),
+            Self::All => return Ok(present().map(LabelGroup::single).collect()),
             Self::Groups(groups) => groups,
         };
-        match groups.iter().flat_map(LabelGroup::labels).find(|l| !present.contains(l)) {
-            Some(&missing) => Err(VolumeError::NoSuchLabel { missing, present: shortened(&present) }),
+        match groups.iter().flat_map(LabelGroup::labels).find(|&&l| image.summary(l).is_none()) {
+            Some(&missing) => Err(VolumeError::NoSuchLabel { missing, present: shortened(present()) }),
             None => Ok(groups.clone()),
         }
     }
 }
 
-fn shortened(labels: &[i64]) -> String {
+fn shortened(labels: impl ExactSizeIterator<Item = i64>) -> String {
     const SHOWN: usize = 20;
-    let text = labels.iter().take(SHOWN).map(i64::to_string).collect::<Vec<_>>().join(", ");
-    match labels.len().saturating_sub(SHOWN) {
-        0 => text,
-        more => format!("{text} and {more} more"),
-    }
+    let more = labels.len().saturating_sub(SHOWN);
+    let text = labels.take(SHOWN).map(|l| l.to_string()).collect::<Vec<_>>().join(", ");
+    if more == 0 { text } else { format!("{text} and {more} more") }
 }
 
 /// A label selection that cannot be read.
