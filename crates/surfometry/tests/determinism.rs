@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::poses;
+use common::{poses, values};
 use surfometry::Measurement;
 use surfometry::embedding::{GaussianEmbedding, TRUNCATION};
 use surfometry::integrals::{
@@ -15,18 +15,7 @@ use surfometry::tiling::{IndexBox, TILE_EDGE};
 use surfometry::volume::{Grid, Mask};
 
 fn bits(m: &Measured) -> Vec<u64> {
-    let c = &m.compensated;
-    let values = [
-        m.volume_mm3,
-        m.surface_area_mm2,
-        m.total_mean_curvature_mm,
-        m.total_gaussian_curvature,
-        m.total_squared_mean_curvature,
-        c.volume_mm3,
-        c.surface_area_mm2,
-        c.total_mean_curvature_mm,
-    ];
-    values.iter().flatten().map(|v| v.to_bits()).collect()
+    values(m).iter().flatten().map(|v| v.to_bits()).collect()
 }
 
 fn on_threads(threads: usize, measurement: &Measurement, mask: &Mask) -> Vec<u64> {

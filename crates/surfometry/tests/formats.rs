@@ -2,6 +2,9 @@
 //!
 //! Ignored, visibly, where that folder is absent; `tests/oracles` writes the same variants with other tools.
 
+mod common;
+
+use common::values;
 use std::path::PathBuf;
 use surfometry::Measurement;
 use surfometry::io::{ReadOptions, read_labels, read_labels_with};
@@ -21,21 +24,8 @@ fn measured(image: &LabelImage) -> Measured {
 
 /// Everything that does not depend on where the object lies, within `tolerance`.
 fn assert_same(name: &str, found: &Measured, expected: &Measured, tolerance: f64) {
-    let pairs = |m: &Measured| {
-        let c = &m.compensated;
-        [
-            m.volume_mm3,
-            m.surface_area_mm2,
-            m.total_mean_curvature_mm,
-            m.total_gaussian_curvature,
-            m.total_squared_mean_curvature,
-            c.volume_mm3,
-            c.surface_area_mm2,
-            c.total_mean_curvature_mm,
-        ]
-        .map(|v| v.expect("a number"))
-    };
-    for (i, (a, b)) in pairs(found).into_iter().zip(pairs(expected)).enumerate() {
+    for (i, (a, b)) in values(found).into_iter().zip(values(expected)).enumerate() {
+        let (a, b) = (a.expect("a number"), b.expect("a number"));
         assert!((a / b - 1.0).abs() < tolerance, "{name}: value {i} is {a}, not {b}");
     }
     assert_eq!(found.voxels.count, expected.voxels.count, "{name}");

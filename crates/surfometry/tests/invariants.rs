@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{measure, phantom};
+use common::{POWERS, measure, phantom, values};
 use proptest::prelude::*;
 use surfometry::Measurement;
 use surfometry::measurement::Measured;
@@ -24,23 +24,9 @@ fn measurement() -> Measurement {
     Measurement::default().sigma_mm(1.5).thickness_mm(2.5)
 }
 
-fn values(m: &Measured) -> [f64; 8] {
-    let c = &m.compensated;
-    [
-        m.volume_mm3,
-        m.surface_area_mm2,
-        m.total_mean_curvature_mm,
-        m.total_gaussian_curvature,
-        m.total_squared_mean_curvature,
-        c.volume_mm3,
-        c.surface_area_mm2,
-        c.total_mean_curvature_mm,
-    ]
-    .map(|v| v.expect("a number"))
+fn numbers(m: &Measured) -> [f64; 8] {
+    values(m).map(|v| v.expect("a number"))
 }
-
-/// Powers of length of [`values`].
-const POWERS: [i32; 8] = [3, 2, 1, 0, 0, 3, 2, 1];
 
 fn close(a: &[f64; 8], b: &[f64; 8], tolerance: f64) -> Result<(), TestCaseError> {
     for (i, (x, y)) in a.iter().zip(b).enumerate() {
@@ -55,7 +41,7 @@ fn moved(mask: &Mask, grid: Grid, from: impl Fn([i64; 3]) -> [i64; 3]) -> Mask {
 }
 
 fn run(mask: &Mask) -> [f64; 8] {
-    values(&measurement().run(mask).unwrap())
+    numbers(&measurement().run(mask).unwrap())
 }
 
 proptest! {
@@ -67,7 +53,7 @@ proptest! {
         let grid = Grid::axis_aligned(mask.grid().dimensions(), spacing.map(|h| h * s)).unwrap();
         let scaled = moved(&mask, grid, |i| i);
         let m = Measurement::default().sigma_mm(1.5 * s).thickness_mm(2.5 * s);
-        let mut back = values(&m.run(&scaled).unwrap());
+        let mut back = numbers(&m.run(&scaled).unwrap());
         (0..8).for_each(|i| back[i] /= s.powi(POWERS[i]));
         close(&run(&mask), &back, 1e-5)?;
     }
@@ -129,7 +115,7 @@ proptest! {
 fn distant_objects_add_up() {
     let phantom =
         phantom(Ellipsoid { radii: [8.0, 6.0, 7.0] }, Pose::new([20.0, 30.0, 40.0], [0.2; 3]), [0.8; 3]);
-    let single = values(&measure(&phantom, &measurement()));
+    let single = numbers(&measure(&phantom, &measurement()));
     let mask = phantom.labels().unwrap().mask(1);
     let [nx, ny, nz] = phantom.grid().dimensions();
     let gap = nx as i64 + 30;

@@ -9,8 +9,8 @@ pub(crate) use table::{Layout, table_text};
 use anyhow::{Context, Result};
 use std::io::{ErrorKind, Write};
 use std::path::Path;
+use surfometry::io::write_whole;
 use surfometry::runs::Output;
-use tempfile::NamedTempFile;
 
 pub(crate) fn json_text(output: &Output) -> Result<String> {
     Ok(serde_json::to_string_pretty(output)? + "\n")
@@ -19,21 +19,12 @@ pub(crate) fn json_text(output: &Output) -> Result<String> {
 /// Prints to stdout, or writes a file, whole or not at all.
 pub(crate) fn deliver(text: &str, file: Option<&Path>) -> Result<()> {
     match file {
-        Some(path) => {
-            write_whole(text, path).with_context(|| format!("{}: cannot be written", path.display()))
-        }
+        Some(path) => write_whole(path, |out| out.write_all(text.as_bytes()))
+            .with_context(|| format!("{}: cannot be written", path.display())),
         None => match std::io::stdout().write_all(text.as_bytes()) {
             // The reader went away, as `head` does: nothing is wrong.
             Err(e) if e.kind() == ErrorKind::BrokenPipe => Ok(()),
             outcome => outcome.context("stdout cannot be written"),
         },
     }
-}
-
-fn write_whole(text: &str, path: &Path) -> Result<()> {
-    let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let mut file = NamedTempFile::new_in(folder)?;
-    file.write_all(text.as_bytes())?;
-    file.persist(path)?;
-    Ok(())
 }

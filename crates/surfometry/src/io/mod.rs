@@ -10,11 +10,13 @@ mod npy;
 mod nrrd;
 mod text_header;
 mod voxel_stream;
+mod whole_file;
 
 pub use error::ReadError;
 pub use header::{Format, ImageHeader};
 pub use nifti_writer::write_labels;
 pub use voxel_stream::VoxelStream;
+pub use whole_file::write_whole;
 
 use crate::volume::{FieldImage, LabelImage};
 use std::path::Path;

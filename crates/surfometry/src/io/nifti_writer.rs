@@ -1,10 +1,10 @@
 //! Writes label images as NIfTI-1, or NIfTI-2 where an axis is too long for it.
 
+use super::write_whole;
 use crate::volume::{Affine, Grid, LabelImage};
 use flate2::{Compression, write::GzEncoder};
-use std::io::{self, BufWriter, Write};
+use std::io::{self, Write};
 use std::path::Path;
-use tempfile::NamedTempFile;
 
 /// Writes a label image as .nii, or .nii.gz where the name says so, with sform and qform set. Labels are stored in
 /// the smallest integer type that holds them. The file appears whole or not at all.
@@ -12,21 +12,16 @@ use tempfile::NamedTempFile;
 /// # Errors
 /// Whatever the file system says.
 pub fn write_labels(path: impl AsRef<Path>, image: &LabelImage) -> io::Result<()> {
-    let path = path.as_ref();
-    let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let mut file = NamedTempFile::new_in(folder)?;
-    let buffered = BufWriter::new(file.as_file_mut());
-    if path.to_string_lossy().ends_with(".gz") {
-        let mut encoder = GzEncoder::new(buffered, Compression::new(4));
-        write_image(&mut encoder, image)?;
-        encoder.finish()?.flush()?;
-    } else {
-        let mut buffered = buffered;
-        write_image(&mut buffered, image)?;
-        buffered.flush()?;
-    }
-    file.persist(path)?;
-    Ok(())
+    let compressed = path.as_ref().to_string_lossy().to_lowercase().ends_with(".gz");
+    write_whole(path, |out| {
+        if compressed {
+            let mut encoder = GzEncoder::new(out, Compression::new(4));
+            write_image(&mut encoder, image)?;
+            encoder.finish().map(drop)
+        } else {
+            write_image(out, image)
+        }
+    })
 }
 
 /// An integer type of NIfTI: code, bytes, and the range that it holds.
@@ -38,7 +33,7 @@ const TYPES: [(i16, usize, i64, i64); 5] = [
     (1024, 8, i64::MIN, i64::MAX),
 ];
 
-fn write_image(out: &mut impl Write, image: &LabelImage) -> io::Result<()> {
+fn write_image(out: &mut dyn Write, image: &LabelImage) -> io::Result<()> {
     let labels = || image.summaries().iter().map(|s| s.label);
     let (low, high) = (labels().min().unwrap_or(0).min(0), labels().max().unwrap_or(0).max(0));
     let fits = |t: &&(i16, usize, i64, i64)| t.2 <= low && high <= t.3;

@@ -41,3 +41,21 @@ pub fn compensated_errors(measured: &Measured, truth: &Truth) -> [f64; 3] {
 pub fn codes(measured: &Measured) -> Vec<String> {
     measured.flags.iter().map(|f| f.code.to_string()).collect()
 }
+
+/// Powers of length of [`values`].
+pub const POWERS: [i32; 8] = [3, 2, 1, 0, 0, 3, 2, 1];
+
+/// V, A, M, total K, bending energy; compensated V, A, M.
+pub fn values(m: &Measured) -> [Option<f64>; 8] {
+    let c = &m.compensated;
+    [
+        m.volume_mm3,
+        m.surface_area_mm2,
+        m.total_mean_curvature_mm,
+        m.total_gaussian_curvature,
+        m.total_squared_mean_curvature,
+        c.volume_mm3,
+        c.surface_area_mm2,
+        c.total_mean_curvature_mm,
+    ]
+}
