@@ -108,13 +108,13 @@ impl MeasureOptions {
             EmbeddingOption::Given => EmbeddingKind::Given,
         });
         if let Some(sigma) = self.sigma {
-            m = m.sigma_or_auto(sigma.mm());
+            m = m.sigma_mm(sigma.mm());
         }
         if let Some(thickness) = self.thickness {
-            m = m.thickness_or_auto(thickness.mm());
+            m = m.thickness_mm(thickness.mm());
         }
         if let Some(epsilon) = self.epsilon {
-            m = m.thickness_or_auto(None).epsilon(epsilon);
+            m = m.thickness_mm(None).epsilon(epsilon);
         }
         if let Some(level) = self.level {
             m = m.level(level);

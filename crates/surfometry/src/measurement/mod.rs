@@ -65,34 +65,22 @@ impl Measurement {
             .thickness_mm(2.5)
     }
 
-    /// Standard deviation of the blur in mm; automatic if not set.
+    /// Standard deviation of the blur in mm; `None`, the default, follows the spacing.
     #[must_use]
-    pub fn sigma_mm(self, sigma: f64) -> Self {
-        Self { sigma: Some(sigma), ..self }
+    pub fn sigma_mm(self, sigma: impl Into<Option<f64>>) -> Self {
+        Self { sigma: sigma.into(), ..self }
     }
 
-    /// Standard deviation of the blur in mm, or automatic again.
+    /// Thickness t of the band in mm; `None`, the default, follows the spacing.
     #[must_use]
-    pub fn sigma_or_auto(self, sigma: Option<f64>) -> Self {
-        Self { sigma, ..self }
-    }
-
-    /// Thickness t of the band in mm; automatic if not set.
-    #[must_use]
-    pub fn thickness_mm(self, thickness: f64) -> Self {
-        Self { thickness: Some(thickness), ..self }
-    }
-
-    /// Thickness t of the band in mm, or automatic again.
-    #[must_use]
-    pub fn thickness_or_auto(self, thickness: Option<f64>) -> Self {
-        Self { thickness, ..self }
+    pub fn thickness_mm(self, thickness: impl Into<Option<f64>>) -> Self {
+        Self { thickness: thickness.into(), ..self }
     }
 
     /// Half-width of the delta in units of phi, instead of a thickness.
     #[must_use]
-    pub fn epsilon(self, epsilon: f64) -> Self {
-        Self { epsilon: Some(epsilon), ..self }
+    pub fn epsilon(self, epsilon: impl Into<Option<f64>>) -> Self {
+        Self { epsilon: epsilon.into(), ..self }
     }
 
     /// Level T of the blurred indicator that is the surface, between 0 and 1.
