@@ -10,11 +10,11 @@ use std::process::ExitCode;
 
 /// Measures the surfaces of segmented 3-D objects: volume, area, mean and Gaussian curvature, Euler characteristic.
 #[derive(Debug, Parser)]
-#[command(version, arg_required_else_help = true)]
+#[command(name = "surfometry", version, arg_required_else_help = true)]
 struct Cli {
     #[command(subcommand)]
     command: Command,
-    /// Threads to use; results do not depend on it [default: all cores]
+    /// Threads, at most the cores there are; results do not depend on it [default: all cores]
     #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     threads: Option<u16>,
     /// No progress and no warnings on stderr
@@ -31,12 +31,12 @@ enum Command {
 
 fn main() -> ExitCode {
     let cli = Cli::parse();
-    if let Some(threads) = cli.threads {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.into());
-        if let Err(error) = pool.build_global() {
-            eprintln!("surfometry: cannot start {threads} threads: {error}");
-            return commands::WRONG_COMMAND.into();
-        }
+    // More threads than cores only cost time and memory.
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    let threads = cli.threads.map_or(cores, usize::from).min(cores);
+    if let Err(error) = rayon::ThreadPoolBuilder::new().num_threads(threads).build_global() {
+        output::say(&format!("cannot start {threads} threads: {error}"));
+        return commands::WRONG_COMMAND.into();
     }
     let outcome = match cli.command {
         Command::Measure(args) => commands::measure::run(&args, cli.quiet),
@@ -46,7 +46,7 @@ fn main() -> ExitCode {
     match outcome {
         Ok(status) => status.into(),
         Err(error) => {
-            eprintln!("surfometry: {error:#}");
+            output::say(&format!("{error:#}"));
             commands::WRONG_COMMAND.into()
         }
     }

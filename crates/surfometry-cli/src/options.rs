@@ -60,16 +60,16 @@ pub(crate) struct MeasureOptions {
     #[arg(long, default_value = "all", allow_hyphen_values = true)]
     label: LabelSelection,
     /// Blur in mm [default: auto = 2 x the geometric mean of the spacings]
-    #[arg(long, value_name = "MM|auto", value_parser = length)]
+    #[arg(long, value_name = "MM|auto", value_parser = length, allow_hyphen_values = true)]
     sigma: Option<Length>,
     /// Thickness of the band in mm [default: auto = 2.5 x the largest spacing]
-    #[arg(long, value_name = "MM|auto", value_parser = length)]
+    #[arg(long, value_name = "MM|auto", value_parser = length, allow_hyphen_values = true)]
     thickness: Option<Length>,
     /// Half-width of the delta in units of the field, instead of a thickness
-    #[arg(long, conflicts_with = "thickness", value_parser = positive)]
+    #[arg(long, conflicts_with = "thickness", value_parser = positive, allow_hyphen_values = true)]
     epsilon: Option<f64>,
     /// Level of the blurred mask that is the surface [default: 0.5]
-    #[arg(long, value_parser = fraction)]
+    #[arg(long, value_parser = fraction, allow_hyphen_values = true)]
     level: Option<f64>,
     /// How an object becomes a field
     #[arg(long, value_enum, default_value = "gaussian")]

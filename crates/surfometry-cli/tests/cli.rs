@@ -108,7 +108,8 @@ fn paper_settings_and_what_overrides_them() {
     assert_eq!(changed["quadrature"], "sum");
     let automatic = parameters(&["--sigma", "auto", "--epsilon", "0.2"]);
     assert_eq!(automatic["sigma_mm"], 2.0);
-    assert!(automatic["thickness_mm"].is_null());
+    // What the half-width stands for: erf(t / (2 sqrt2 sigma)) / 2 = 0.2.
+    assert!((automatic["thickness_mm"].as_f64().unwrap() - 2.0976).abs() < 1e-3);
     assert_eq!(automatic["epsilon"], 0.2);
 }
 
@@ -184,11 +185,47 @@ fn output_is_written_whole_or_not_at_all() {
     assert!(before.starts_with(b"input,label,name,volume_mm3"));
     let nowhere = run_in(folder.path(), &["measure", BALL, "-o", "no/such/folder/out.csv"]);
     assert_eq!(nowhere.status.code(), Some(2));
+    let folder_itself = run_in(folder.path(), &["measure", BALL, "-o", "."]);
+    assert_eq!(folder_itself.status.code(), Some(2));
+    let stdout = run_in(folder.path(), &["measure", BALL, "--format", "csv", "-o", "-"]);
+    assert!(stdout.stdout.starts_with(b"input,label"));
     assert!(text(&nowhere.stderr).contains("no/such/folder/out.csv"));
     let wrong = run_in(folder.path(), &["measure", BALL, "--sigma", "0", "-o", "out.csv"]);
     assert_eq!(wrong.status.code(), Some(2));
     assert_eq!(std::fs::read(folder.path().join("out.csv")).unwrap(), before);
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1, "no temporary file is left");
+}
+
+/// The segmentation is never what gets written over.
+#[test]
+fn an_output_does_not_replace_an_input() {
+    let folder = tempfile::tempdir().unwrap();
+    assert_eq!(run_in(folder.path(), &["phantom", "ball?radius=4", "-o", "a.nii"]).status.code(), Some(0));
+    let before = std::fs::read(folder.path().join("a.nii")).unwrap();
+    let refused = run_in(folder.path(), &["measure", "a.nii", "--sigma", "1", "-o", "./a.nii"]);
+    assert_eq!(refused.status.code(), Some(2));
+    assert!(text(&refused.stderr).contains("would replace the input"), "{}", text(&refused.stderr));
+    assert_eq!(std::fs::read(folder.path().join("a.nii")).unwrap(), before);
+}
+
+/// A full stderr loses no results.
+#[cfg(target_os = "linux")]
+#[test]
+fn messages_that_cannot_be_said_lose_no_results() {
+    let folder = tempfile::tempdir().unwrap();
+    let full = std::fs::OpenOptions::new().write(true).open("/dev/full").unwrap();
+    let status = Command::new(env!("CARGO_BIN_EXE_surfometry"))
+        .current_dir(folder.path())
+        .args(["measure", "missing.nii", BALL, "-o", "out.txt"])
+        .stderr(full)
+        .status()
+        .unwrap();
+    assert_eq!(status.code(), Some(1));
+    let written = std::fs::read_to_string(folder.path().join("out.txt")).unwrap();
+    assert!(
+        written.contains("blurred") && written.contains("not measured:\n  missing.nii: No such file"),
+        "{written}"
+    );
 }
 
 /// Everything but the times is the same text for any number of threads.
@@ -303,7 +340,7 @@ fn patterns_name_files() {
     assert_eq!(inputs, ["a.nii", "b.nii"]);
     let none = run_in(folder.path(), &["measure", "*.mha"]);
     assert_eq!(none.status.code(), Some(1));
-    assert!(text(&none.stderr).contains("*.mha"));
+    assert!(text(&none.stderr).contains("*.mha: no file matches"), "{}", text(&none.stderr));
 }
 
 #[test]
@@ -325,6 +362,11 @@ fn a_field_is_measured_as_it_is() {
     let as_labels = run(&["measure", path]);
     assert_eq!(as_labels.status.code(), Some(1));
     assert!(text(&as_labels.stderr).contains("--embedding given"), "{}", text(&as_labels.stderr));
+    let info = run(&["info", path]);
+    assert_eq!(info.status.code(), Some(1));
+    let shown = text(&info.stdout);
+    assert!(shown.contains("NRRD, float32, 30 x 30 x 30 voxels of 1 x 1 x 1 mm"), "{shown}");
+    assert!(shown.contains("no label image: voxel [0, 0, 0]"), "{shown}");
 }
 
 #[test]

@@ -6,7 +6,7 @@ use common::{poses, values};
 use surfometry::Measurement;
 use surfometry::embedding::{GaussianEmbedding, TRUNCATION};
 use surfometry::integrals::{
-    Integrals, Partial, Quadrature, QuadratureRule, SmearedDelta, Smearing, integrate_boxes,
+    Band, Integrals, Partial, Quadrature, QuadratureRule, SmearedDelta, Smearing, integrate_boxes,
 };
 use surfometry::local_geometry::{Differentiation, GaussianDerivatives};
 use surfometry::measurement::{Derivatives, EmbeddingKind, Measured};
@@ -61,15 +61,15 @@ fn any_split_of_the_tiles_merges_to_the_same_bits() {
     let shape = Genus { genus: 2, major: 12.0, minor: 8.0 };
     let mask = Phantom::new(shape, poses()[2], [0.7, 0.6, 0.8]).unwrap().labels().unwrap().mask(1);
     let scheme = GaussianDerivatives::new(GaussianEmbedding::new(&mask, 1.6, 0.5, TRUNCATION));
-    let delta = SmearedDelta::new(Smearing::Sine, 0.25, 0.5);
+    let band = Band::new(SmearedDelta::new(Smearing::Sine, 0.25, 0.5), 2.2);
     let quadrature = Quadrature::unbounded(QuadratureRule::Sum);
-    let tiles = scheme.support(delta.half_width()).tiles(TILE_EDGE);
+    let tiles = scheme.support(band.delta().half_width()).tiles(TILE_EDGE);
     let spacing = mask.grid().spacing();
-    let whole = Integrals::of(&integrate_boxes(&scheme, &tiles, &delta, &quadrature), spacing);
+    let whole = Integrals::of(&integrate_boxes(&scheme, &tiles, &band, &quadrature), spacing);
     for parts in [2, 3, 7] {
         let part = |n: usize| -> Partial {
             let own: Vec<IndexBox> = tiles.iter().skip(n).step_by(parts).copied().collect();
-            integrate_boxes(&scheme, &own, &delta, &quadrature)
+            integrate_boxes(&scheme, &own, &band, &quadrature)
         };
         let merged = (0..parts).rev().fold(Partial::default(), |sum, n| sum.merged(&part(n)));
         assert_eq!(Integrals::of(&merged, spacing), whole, "{parts} parts of {} tiles", tiles.len());

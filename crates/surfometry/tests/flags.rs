@@ -86,6 +86,77 @@ fn thin_objects() {
     assert!(raised(&Measurement::default().sigma_mm(2.0).run(&lollipop).unwrap(), "thin-for-sigma"));
 }
 
+/// A band without voxels, and one thicker than the object.
+#[test]
+fn bands_that_do_not_fit() {
+    let m = Measurement::default();
+    let empty = ball(12.0, [1.0; 3], &m.epsilon(1e-9));
+    assert!(raised(&empty, "empty-band") && !raised(&empty, "surface-vanished"), "{:?}", codes(&empty));
+    assert!(empty.volume_mm3.unwrap() > 6000.0 && empty.surface_area_mm2.is_none());
+    assert!(!raised(&ball(12.0, [1.0; 3], &m), "empty-band"));
+    // A half-width counts as the thickness that it stands for.
+    assert!(raised(&ball(12.0, [1.0; 3], &m.epsilon(0.05)), "thickness-below-spacing"));
+    let distance = m.embedding(EmbeddingKind::Distance);
+    assert!(raised(&ball(8.0, [1.0; 3], &distance.thickness_mm(20.0)), "thickness-above-object"));
+    assert!(!raised(&ball(12.0, [1.0; 3], &distance), "thickness-above-object"));
+}
+
+/// A plate of three voxels at sigma 2: gradients collapse half-way, curvature stays finite, compensation is refused or
+/// plausible, never absurd.
+#[test]
+fn plates_too_thin_to_compensate() {
+    let plate = |voxels: usize| {
+        let grid = Grid::axis_aligned([60, 60, 30], [1.0; 3]).unwrap();
+        let mask = Mask::from_predicate(grid, move |[x, y, z]| {
+            (10..50).contains(&x) && (10..50).contains(&y) && (8..8 + voxels).contains(&z)
+        });
+        Measurement::default().sigma_mm(2.0).run(&mask).unwrap()
+    };
+    let thin = plate(3);
+    assert!(raised(&thin, "thin-for-sigma") && raised(&thin, "vanishing-gradient"), "{:?}", codes(&thin));
+    assert!(thin.total_squared_mean_curvature.unwrap() < 1e4, "{:?}", thin.total_squared_mean_curvature);
+    match thin.compensated.volume_mm3 {
+        Some(volume) => assert!((volume / 4800.0 - 1.0).abs() < 0.25, "{volume}"),
+        None => assert!(raised(&thin, "compensation-failed")),
+    }
+    let thick = plate(12);
+    assert!(
+        !raised(&thick, "vanishing-gradient") && !raised(&thick, "compensation-failed"),
+        "{:?}",
+        codes(&thick)
+    );
+}
+
+/// A rod that the blur all but removes: the compensated volume contradicts the voxels, so there is none.
+#[test]
+fn compensation_that_fails_is_null() {
+    let grid = Grid::axis_aligned([30, 30, 80], [1.0; 3]).unwrap();
+    let rod = |half: usize, sigma: f64| {
+        let mask = Mask::from_predicate(grid, |[x, y, z]| {
+            x.abs_diff(15) <= half && y.abs_diff(15) <= half && (10..70).contains(&z)
+        });
+        Measurement::default().sigma_mm(sigma).run(&mask).unwrap()
+    };
+    let failed = rod(1, 1.4);
+    assert!(raised(&failed, "compensation-failed"), "{:?} {:?}", failed.voxels, failed.compensated.values);
+    assert!(failed.compensated.volume_mm3.is_none() && failed.compensated.surface_area_mm2.is_none());
+    assert!(failed.volume_mm3.is_some());
+    let fine = rod(5, 1.4);
+    assert!(!raised(&fine, "compensation-failed") && fine.compensated.volume_mm3.is_some());
+}
+
+/// Slices so thick that 2.5 of them do not fit the blur: the automatic band stays within it and says that it is thin.
+#[test]
+fn automatic_bands_fit_the_blur() {
+    for thick in [8.0, 30.0] {
+        let measured = ball(20.0, [1.0, 1.0, thick], &Measurement::default());
+        assert!(raised(&measured, "thickness-below-spacing") && !raised(&measured, "thickness-above-blur"));
+        let message =
+            &measured.flags.iter().find(|f| f.code.to_string() == "thickness-below-spacing").unwrap().message;
+        assert!(message.contains("--sigma"), "{message}");
+    }
+}
+
 #[test]
 fn euler_characteristics() {
     let torus = |sigma, thickness| {

@@ -190,8 +190,14 @@ fn parameters_without_sense() {
     let distance = m.embedding(EmbeddingKind::Distance).derivatives(Derivatives::Gaussian);
     assert!(matches!(distance.run(&ball()), Err(MeasureError::Conflict(_))));
     // The band of the blurred field would reach its background value and weigh all of space.
-    let wide = m.level(0.1).run(&ball()).unwrap_err();
-    assert_says(&wide.to_string(), &["saturates at 0.1", "smaller --thickness"]);
+    let wide = m.level(0.1).thickness_mm(2.5).run(&ball()).unwrap_err();
+    assert_says(&wide.to_string(), &["at level 0.1", "flat from 0.1", "smaller --thickness"]);
+    assert!(matches!(m.epsilon(0.6).run(&ball()), Err(MeasureError::BandTooWide { .. })));
+    // Lengths that no memory holds, in voxels.
+    let far = m.sigma_mm(1e4).level(1e-12).epsilon(1e-13).run(&ball()).unwrap_err();
+    assert_says(&far.to_string(), &["sigma 10000 mm is 10000 voxels", "smaller --sigma"]);
+    let thick = m.embedding(EmbeddingKind::Distance).thickness_mm(1e6).run(&ball()).unwrap_err();
+    assert_says(&thick.to_string(), &["thickness 1000000 mm", "smaller --thickness"]);
     let empty = Mask::from_predicate(*ball().grid(), |_| false);
     assert!(matches!(m.run(&empty), Err(MeasureError::Volume(VolumeError::NoForeground))));
 }
@@ -226,7 +232,75 @@ fn a_failed_write_leaves_nothing() {
     assert!(write_labels("/nowhere/ball.nii", &image).is_err());
 }
 
-/// Valid files of each text format, to be damaged.
+fn npy(voxels: &[u8]) -> Vec<u8> {
+    let mut header = "{'descr': '|u1', 'fortran_order': False, 'shape': (4, 4, 4), }".to_owned();
+    header += &" ".repeat(117 - header.len());
+    [b"\x93NUMPY\x01\x00\x76\x00", header.as_bytes(), b"\n", voxels].concat()
+}
+
+fn nifti_2(voxels: &[u8]) -> Vec<u8> {
+    let mut file = vec![0u8; 544];
+    put(&mut file, 0, &540i32.to_le_bytes());
+    put(&mut file, 4, b"n+2\0\r\n\x1a\n");
+    put(&mut file, 12, &2i16.to_le_bytes());
+    [3i64, 4, 4, 4, 1, 1, 1, 1]
+        .iter()
+        .enumerate()
+        .for_each(|(i, d)| put(&mut file, 16 + 8 * i, &d.to_le_bytes()));
+    (0..4).for_each(|i| put(&mut file, 104 + 8 * i, &1f64.to_le_bytes()));
+    put(&mut file, 168, &544i64.to_le_bytes());
+    file.extend(voxels);
+    file
+}
+
+/// Each is read before it is damaged, or damaging it would prove nothing.
+#[test]
+fn specimens_are_valid() {
+    for (name, bytes) in specimens() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = write(folder.path(), name, bytes);
+        let image = read_labels_with(path, ReadOptions { spacing: Some([1.0; 3]) });
+        assert!(image.is_ok(), "{name}: {}", image.unwrap_err());
+    }
+}
+
+/// Products of dimensions that wrap around are not mistaken for one volume.
+#[test]
+fn sizes_that_overflow() {
+    let mut file = nifti_2(&pseudo_random());
+    let dims = [5i64, 4, 4, 4, 1 << 32, 1 << 32, 1, 1];
+    dims.iter().enumerate().for_each(|(i, d)| put(&mut file, 16 + 8 * i, &d.to_le_bytes()));
+    assert_says(&refusal("a.nii", file), &["volumes in one file"]);
+    let header = "NRRD0004\ntype: uint8\ndimension: 5\nsizes: 4 4 4 4294967296 4294967296\nspacings: 1 1 1 1 1\nencoding: raw\n\n";
+    assert_says(&refusal("a.nrrd", header.to_owned() + &"\u{1}".repeat(64)), &["volumes in one file"]);
+}
+
+/// Padding behind the last gzip member is no damage.
+#[test]
+fn padding_after_gzip_is_ignored() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut padded = gzip(&nifti(CUBE, 2, &pseudo_random()));
+    padded.extend([0; 100]);
+    read_labels(write(folder.path(), "a.nii.gz", padded)).unwrap();
+}
+
+/// Units other than mm, and a named but empty sform.
+#[test]
+fn units_and_forms() {
+    let folder = tempfile::tempdir().unwrap();
+    let spacing = |name: &str, bytes: Vec<u8>| {
+        read_labels(write(folder.path(), name, bytes)).unwrap().grid().spacing().mm()
+    };
+    let meta = "NDims = 3\nDimSize = 4 4 4\nElementSpacing = 500 500 500\nDistanceUnits = um\nElementType = MET_UCHAR\nElementDataFile = Local\n";
+    assert_eq!(spacing("a.mha", [meta.as_bytes(), &pseudo_random()].concat()), [0.5; 3]);
+    let mut empty_sform = nifti(CUBE, 2, &pseudo_random());
+    put(&mut empty_sform, 254, &1i16.to_le_bytes());
+    assert_eq!(spacing("a.nii", empty_sform), [1.0; 3]);
+    let mixed = "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 4 4 4\nspacings: 1 1 1\nunits: \"mm\" \"mm\" \"um\"\nencoding: raw\n\n";
+    assert_says(&refusal("a.nrrd", mixed.to_owned() + &"\u{1}".repeat(64)), &["different units"]);
+}
+
+/// Valid files of each format, to be damaged.
 fn specimens() -> Vec<(&'static str, Vec<u8>)> {
     let voxels = pseudo_random();
     let with = |header: &str| [header.as_bytes(), &voxels].concat();
@@ -245,7 +319,8 @@ fn specimens() -> Vec<(&'static str, Vec<u8>)> {
                 "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 4 4 4\nspace: LPS\nspace directions: (1,0,0) (0,1,0) (0,0,1)\nencoding: raw\n\n",
             ),
         ),
-        ("a.npy", with("\u{93}NUMPY")),
+        ("a.npy", npy(&voxels)),
+        ("b.nii", nifti_2(&voxels)),
     ]
 }
 
@@ -255,7 +330,7 @@ proptest! {
     /// Any bytes in place of any others: an error or an image, never a panic.
     #[test]
     fn damaged_files_do_not_panic(
-        which in 0usize..5, position in 0usize..500, bytes in prop::collection::vec(any::<u8>(), 1..9), cut in 0usize..600
+        which in 0usize..6, position in 0usize..700, bytes in prop::collection::vec(any::<u8>(), 1..9), cut in 0usize..600
     ) {
         let (name, mut file) = specimens().swap_remove(which);
         let position = position % file.len();

@@ -30,3 +30,20 @@ fn five_sigma_is_far_enough_and_three_is_not() {
     assert!(four[1] > 1e-5 && four[1] < 5e-4 && four[2] > 1e-4 && four[2] < 2e-3, "{four:?}");
     assert!(three[2] > 5e-3, "{three:?}");
 }
+
+/// At a wide blur, where the cut falls on exactly 5 sigma along every axis: chi loses 2e-4, M 4e-5, both downwards.
+#[test]
+fn a_wide_blur_is_cut_as_well() {
+    let phantom = phantom(surfometry::phantoms::Ball { radius: 30.0 }, poses()[0], [1.0; 3]);
+    let at = |truncation| {
+        let m = measure(
+            &phantom,
+            &Measurement::default().sigma_mm(10.0).thickness_mm(5.0).truncation(truncation),
+        );
+        (m.euler_characteristic.unwrap(), m.total_mean_curvature_mm.unwrap())
+    };
+    let ((chi, mean), (whole_chi, whole_mean)) = (at(5.0), at(8.0));
+    println!("chi {chi} {whole_chi}, M {:e}", mean / whole_mean - 1.0);
+    assert!((-3e-4..0.0).contains(&(chi - whole_chi)), "{}", chi - whole_chi);
+    assert!((-6e-5..0.0).contains(&(mean / whole_mean - 1.0)), "{}", mean / whole_mean - 1.0);
+}

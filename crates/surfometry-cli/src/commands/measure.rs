@@ -3,7 +3,7 @@
 use super::{ALL_DONE, SOME_FAILED};
 use crate::inputs::expand;
 use crate::options::MeasureOptions;
-use crate::output::{csv_text, deliver, json_text, table_text};
+use crate::output::{check_output, csv_text, deliver, json_text, say, table_text};
 use anyhow::Result;
 use clap::ValueEnum;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
@@ -41,24 +41,33 @@ enum OutputFormat {
     Csv,
 }
 
+/// Labels beyond which a file is more likely a grey image.
+const MANY_LABELS: usize = 1000;
+
 pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
     let measurement = args.options.measurement()?;
     let wanted = args.options.inputs();
     let inputs = expand(&args.inputs);
+    check_output(args.output.as_deref(), &inputs)?;
     let progress = progress_bar(inputs.len(), quiet);
     let (mut results, mut failures) = (Vec::new(), Vec::new());
     for input in &inputs {
         progress.set_message(input.clone());
         let outcome = measure_input(input, &measurement, &wanted, |done, total| {
+            if done == 0 && total > MANY_LABELS && !quiet {
+                let message = format!("{input}: {total} labels; if this is a grey image, threshold it first");
+                progress.suspend(|| say(&message));
+            }
             if total > 1 {
-                progress.set_message(format!("{input}, object {} of {total}", done + 1));
+                progress.set_message(format!("{input}, {done} of {total} objects"));
             }
         });
         match outcome {
             Ok(records) => results.extend(records),
             Err(error) => {
-                progress.suspend(|| eprintln!("surfometry: {input}: {error}"));
-                failures.push(Failure { input: input.clone(), error: error.to_string() });
+                let failure = Failure::new(input, &error);
+                progress.suspend(|| say(&failure.to_string()));
+                failures.push(failure);
             }
         }
         progress.inc(1);
@@ -90,9 +99,9 @@ fn warn_of_mixed_sigma(results: &[Record]) {
     let (low, high) = sigmas.fold((f64::INFINITY, 0.0f64), |(low, high), s| (low.min(s), high.max(s)));
     // Spacings written in f32 differ in the seventh digit.
     if low < high * (1.0 - 1e-5) {
-        eprintln!(
-            "surfometry: the images differ in spacing, so the automatic sigma ran from {low:.4} to {high:.4} mm; use \
-             --sigma {high:.4} to make the results comparable"
-        );
+        say(&format!(
+            "the images differ in spacing, so the automatic sigma ran from {low:.4} to {high:.4} mm; use --sigma {high:.4} \
+             to make the results comparable"
+        ));
     }
 }

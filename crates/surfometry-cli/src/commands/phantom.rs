@@ -1,7 +1,7 @@
 //! `surfometry phantom`.
 
 use super::ALL_DONE;
-use crate::output::deliver;
+use crate::output::{check_output, deliver, say};
 use anyhow::{Context, Result};
 use serde_json::json;
 use std::path::{Path, PathBuf};
@@ -22,7 +22,11 @@ pub(crate) fn run(args: &Args) -> Result<u8> {
     let name = args.phantom.strip_prefix("phantom:").unwrap_or(&args.phantom);
     let spec = format!("phantom:{name}");
     let truth_path = truth_path(&args.output)?;
+    check_output(Some(&args.output), &[])?;
     let source = open_labels(&spec, None).with_context(|| spec.clone())?;
+    if source.image.summaries().is_empty() {
+        say(&format!("{spec}: no voxel lies inside; the shape is small against the spacing"));
+    }
     write_labels(&args.output, &source.image).with_context(|| args.output.display().to_string())?;
     let truth = json!({ "phantom": spec, "truth": source.truth });
     deliver(&(serde_json::to_string_pretty(&truth)? + "\n"), Some(&truth_path))?;
@@ -31,7 +35,9 @@ pub(crate) fn run(args: &Args) -> Result<u8> {
 
 fn truth_path(image: &Path) -> Result<PathBuf> {
     let name = image.to_string_lossy();
-    let stem = name.strip_suffix(".nii.gz").or_else(|| name.strip_suffix(".nii"));
+    let lower = name.to_lowercase();
+    let stem =
+        [".nii.gz", ".nii"].iter().find(|e| lower.ends_with(**e)).map(|e| &name[..name.len() - e.len()]);
     let stem = stem.with_context(|| format!("{name}: a phantom is written as .nii or .nii.gz"))?;
     Ok(PathBuf::from(format!("{stem}.truth.json")))
 }

@@ -2,21 +2,27 @@
 
 use anyhow::Result;
 use serde_json::{Value, json};
-use surfometry::runs::{Output, columns_and_rows};
+use surfometry::runs::{Output, columns_of, flatten};
 
+/// One record at a time, twice: once for the columns, once for the rows, so that many labels need little memory.
 pub(crate) fn csv_text(output: &Output) -> Result<String> {
-    let mut records = output.results.iter().map(serde_json::to_value).collect::<Result<Vec<_>, _>>()?;
-    for record in &mut records {
-        record["error"] = Value::Null;
-    }
-    records.extend(output.failures.iter().map(|f| json!({ "input": f.input, "error": f.error })));
-    let (columns, rows) = columns_and_rows(&records);
+    let columns = columns_of(records(output).map(|record| record.map(|r| flatten(&r))))?;
     let mut writer = csv::Writer::from_writer(Vec::new());
     writer.write_record(&columns)?;
-    for row in rows {
-        writer.write_record(row.iter().map(cell))?;
+    for record in records(output) {
+        let row = flatten(&record?);
+        writer.write_record(columns.iter().map(|c| row.get(c).map_or_else(String::new, cell)))?;
     }
     Ok(String::from_utf8(writer.into_inner()?)?)
+}
+
+fn records(output: &Output) -> impl Iterator<Item = serde_json::Result<Value>> + '_ {
+    let results = output.results.iter().map(|record| {
+        let mut value = serde_json::to_value(record)?;
+        value["error"] = Value::Null;
+        Ok(value)
+    });
+    results.chain(output.failures.iter().map(|f| Ok(json!({ "input": f.input, "error": f.error }))))
 }
 
 fn cell(value: &Value) -> String {

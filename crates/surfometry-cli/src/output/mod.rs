@@ -4,9 +4,9 @@ mod csv;
 mod table;
 
 pub(crate) use csv::csv_text;
-pub(crate) use table::{Layout, table_text};
+pub(crate) use table::{Layout, digits, table_text};
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, bail};
 use std::io::{ErrorKind, Write};
 use std::path::Path;
 use surfometry::io::write_whole;
@@ -16,9 +16,35 @@ pub(crate) fn json_text(output: &Output) -> Result<String> {
     Ok(serde_json::to_string_pretty(output)? + "\n")
 }
 
-/// Prints to stdout, or writes a file, whole or not at all.
+/// Says something on stderr. That it cannot be said, as on a full disk, is no reason to lose results.
+pub(crate) fn say(message: &str) {
+    let _ = writeln!(std::io::stderr(), "surfometry: {message}");
+}
+
+/// Refuses, before anything is measured, an output that could not be written or that would replace an input.
+pub(crate) fn check_output(file: Option<&Path>, inputs: &[String]) -> Result<()> {
+    let Some(path) = file.filter(|p| *p != Path::new("-")) else { return Ok(()) };
+    let folder = path.parent().filter(|p| !p.as_os_str().is_empty());
+    if let Some(folder) = folder.filter(|f| !f.is_dir()) {
+        bail!("{}: the folder {} does not exist", path.display(), folder.display());
+    }
+    if path.is_dir() {
+        bail!("{}: a folder; name a file in it", path.display());
+    }
+    let same = |input: &String| {
+        path.canonicalize().is_ok_and(|p| Path::new(input).canonicalize().is_ok_and(|i| i == p))
+    };
+    match inputs.iter().find(|input| same(input)) {
+        Some(input) => {
+            bail!("{}: the output would replace the input {input}; choose another name", path.display())
+        }
+        None => Ok(()),
+    }
+}
+
+/// Prints to stdout (also for `-`), or writes a file, whole or not at all.
 pub(crate) fn deliver(text: &str, file: Option<&Path>) -> Result<()> {
-    match file {
+    match file.filter(|p| *p != Path::new("-")) {
         Some(path) => write_whole(path, |out| out.write_all(text.as_bytes()))
             .with_context(|| format!("{}: cannot be written", path.display())),
         None => match std::io::stdout().write_all(text.as_bytes()) {

@@ -2,7 +2,7 @@
 
 use comfy_table::{CellAlignment, Table, presets};
 use std::fmt::Write;
-use surfometry::accuracy::FlagCode;
+use surfometry::accuracy::{Flag, FlagCode};
 use surfometry::measurement::EmbeddingKind;
 use surfometry::runs::{Output, Record};
 
@@ -36,6 +36,12 @@ pub(crate) fn table_text(output: &Output) -> String {
         text += "\nblurred: of the smoothed object; original: with the smoothing's shift undone. H > 0 on a ball; chi is \
                  the surface's (ball 2, torus 0).\n";
     }
+    if !output.failures.is_empty() {
+        text += "\nnot measured:\n";
+        for failure in &output.failures {
+            writeln!(text, "  {failure}").expect("writing to a string");
+        }
+    }
     text
 }
 
@@ -53,12 +59,12 @@ fn heading(record: &Record) -> String {
     let m = &record.measured;
     let join = |values: [String; 3]| values.join(" x ");
     let blur = m.parameters.sigma_mm.map_or_else(String::new, |s| format!("sigma {} mm, ", digits(s)));
-    let band = m.parameters.thickness_mm.map_or_else(String::new, |t| format!("t {} mm, ", digits(t)));
     format!(
-        "{}\n  {} voxels of {} mm; {blur}{band}epsilon {}\n",
+        "{}\n  {} voxels of {} mm; {blur}t {} mm, epsilon {}\n",
         record.input,
         join(m.grid.dimensions.map(|n| n.to_string())),
         join(m.grid.spacing_mm.map(digits)),
+        digits(m.parameters.thickness_mm),
         digits(m.parameters.epsilon),
     )
 }
@@ -105,6 +111,9 @@ fn rows(record: &Record) -> Vec<Vec<String>> {
     rows
 }
 
+/// Labels that a warning names before it only counts them.
+const SHOWN_LABELS: usize = 12;
+
 fn surface_name(embedding: EmbeddingKind) -> &'static str {
     match embedding {
         EmbeddingKind::Gaussian => "blurred",
@@ -125,20 +134,26 @@ fn flags(records: &[Record]) -> String {
     let mut text = String::new();
     for code in codes {
         let raised: Vec<_> = all().filter(|(_, f)| f.code == code).collect();
-        let labels: Vec<String> =
-            raised.iter().filter_map(|(r, _)| r.label.as_ref()).map(ToString::to_string).collect();
         let about =
-            if records.len() == 1 { String::new() } else { format!(" (label {})", labels.join(", ")) };
-        let others = if raised.len() > 1 && records.len() > 1 { "for the first: " } else { "" };
+            if records.len() == 1 { String::new() } else { format!(" (label {})", shown_labels(&raised)) };
         let same = raised.iter().all(|(_, f)| f.message == raised[0].1.message);
-        let others = if same { "" } else { others };
+        let others = if same { "" } else { "for the first: " };
         writeln!(text, "  ! {code}{about}: {others}{}", raised[0].1.message).expect("writing to a string");
     }
     text
 }
 
+fn shown_labels(raised: &[(&Record, &Flag)]) -> String {
+    let labels = raised.iter().filter_map(|(r, _)| r.label.as_ref()).map(ToString::to_string);
+    let shown = labels.take(SHOWN_LABELS).collect::<Vec<_>>().join(", ");
+    match raised.len().saturating_sub(SHOWN_LABELS) {
+        0 => shown,
+        more => format!("{shown} and {more} more"),
+    }
+}
+
 /// Six significant digits, without an exponent where a reader can do without.
-fn digits(value: f64) -> String {
+pub(crate) fn digits(value: f64) -> String {
     if value == 0.0 {
         return "0".to_owned();
     }

@@ -27,13 +27,19 @@ pub enum FlagCode {
     EulerDiffersFromVoxels,
     /// The blur removed the object.
     SurfaceVanished,
+    /// No voxel lies in the band.
+    EmptyBand,
+    /// The band is thicker than the object.
+    ThicknessAboveObject,
+    /// Compensation gave what the voxels contradict.
+    CompensationFailed,
     /// Parts of the object are thinner than about 3 sigma.
     ThinForSigma,
     /// Compensation is not defined for these parameters.
     CompensationUndefined,
     /// The distance embedding is quantised: its curvature is noise.
     DistanceQuantised,
-    /// The gradient vanishes at band voxels.
+    /// The gradient collapses at band voxels.
     VanishingGradient,
     /// The surface leaves a given field through the image's edge.
     SurfaceLeavesField,
@@ -74,8 +80,8 @@ pub struct Evidence {
     pub distance: bool,
     /// Blur in mm, for the Gaussian embedding.
     pub sigma: Option<f64>,
-    /// Band thickness in mm, where known.
-    pub thickness: Option<f64>,
+    /// Band thickness in mm.
+    pub thickness: f64,
     /// Half-width eps of the delta.
     pub epsilon: f64,
     /// Smallest |phi| at which the field saturates.
@@ -86,7 +92,9 @@ pub struct Evidence {
     pub voxel_euler: i64,
     /// Volume for the original object, mm^3.
     pub compensated_volume: Option<f64>,
-    /// Plain volume, area, Euler characteristic; `None` if the surface vanished.
+    /// Whether anything is inside the level set.
+    pub survives: bool,
+    /// Plain volume, area, Euler characteristic; `None` without a surface.
     pub plain: Option<(f64, f64, f64)>,
     /// Band voxels without a normal.
     pub voxels_without_normal: u64,
@@ -102,6 +110,8 @@ const SAMPLED_THICKNESS: f64 = 2.5;
 const THIN: f64 = 3.0;
 /// Relative difference of compensated and counted volume that says the blur took parts away for good.
 const VOLUME_TOLERANCE: f64 = 0.03;
+/// Relative difference of compensated and counted volume beyond which compensation has failed.
+const FAILED_VOLUME: f64 = 0.25;
 /// Share of the saturation from which on the band is said to leave the blurred edge.
 const SATURATED_SHARE: f64 = 0.98;
 
@@ -122,11 +132,21 @@ fn grid_flags(e: &Evidence) -> Vec<Flag> {
             format!("sigma {sigma:.4} mm is less than the largest spacing {largest:.4} mm: the blur is undersampled along that axis, so area, curvature and chi carry grid noise"),
         ));
     }
-    if let Some(thickness) = e.thickness.filter(|&t| below(t, SAMPLED_THICKNESS * largest)) {
-        flags.push(Flag::new(
-            FlagCode::ThicknessBelowSpacing,
-            format!("thickness {thickness:.4} mm is less than 2.5 x the largest spacing ({:.4} mm): the delta is undersampled, area and chi are unreliable; use --thickness auto", SAMPLED_THICKNESS * largest),
-        ));
+    let sampled = SAMPLED_THICKNESS * largest;
+    if below(e.thickness, sampled) {
+        let cure = match e.sigma {
+            // A band of 4 sigma reaches the flat ends of the blurred edge.
+            Some(sigma) if sampled > 4.0 * sigma => {
+                format!("--sigma {:.3} or more, and --thickness auto", sampled / 4.0)
+            }
+            _ => format!("--thickness {sampled:.4}"),
+        };
+        let message = format!(
+            "the band is {:.4} mm thick, less than 2.5 x the largest spacing: the delta is undersampled, area and chi are \
+             unreliable; use {cure}",
+            e.thickness
+        );
+        flags.push(Flag::new(FlagCode::ThicknessBelowSpacing, message));
     }
     if below(THICK_SLICE_RATIO * smallest, largest) {
         flags.push(Flag::new(
@@ -138,21 +158,38 @@ fn grid_flags(e: &Evidence) -> Vec<Flag> {
 }
 
 fn band_flags(e: &Evidence) -> Vec<Flag> {
+    if !e.survives {
+        let message = "nothing is left inside the level set at this sigma and level, so the integrals are null; use a smaller \
+                       --sigma";
+        return vec![Flag::new(FlagCode::SurfaceVanished, message)];
+    }
+    let Some((volume, area, _)) = e.plain else {
+        let message = "no voxel with a normal lies in the band, so the surface integrals are null: it is too thin for this \
+                       grid; use --thickness auto";
+        return vec![Flag::new(FlagCode::EmptyBand, message)];
+    };
     let mut flags = Vec::new();
     if e.epsilon >= SATURATED_SHARE * e.saturation {
-        flags.push(Flag::new(
-            FlagCode::ThicknessAboveBlur,
-            "the band reaches where the blurred edge is flat; choose a smaller --thickness or a larger --sigma".to_owned(),
-        ));
+        let message =
+            "the band reaches where the blurred edge is flat; use a smaller --thickness or a larger --sigma";
+        flags.push(Flag::new(FlagCode::ThicknessAboveBlur, message));
+    }
+    let mean_thickness = 2.0 * volume.min(e.voxel_volume) / area;
+    if e.thickness > mean_thickness {
+        let message = format!(
+            "the band is {:.4} mm thick, more than the object's mean thickness 2 V / A = {mean_thickness:.4} mm: volume and \
+             area average over it; use a smaller --thickness or a finer image",
+            e.thickness
+        );
+        flags.push(Flag::new(FlagCode::ThicknessAboveObject, message));
     }
     if e.voxels_without_normal > 0 {
-        flags.push(Flag::new(
-            FlagCode::VanishingGradient,
-            format!(
-                "the gradient vanishes at {} voxels of the band, which are left out of the surface integrals",
-                e.voxels_without_normal
-            ),
-        ));
+        let message = format!(
+            "the gradient collapses at {} voxels of the band (less than 5 % of a flat surface's), as half-way through thin \
+             parts; they are left out of the surface integrals",
+            e.voxels_without_normal
+        );
+        flags.push(Flag::new(FlagCode::VanishingGradient, message));
     }
     flags
 }
@@ -178,8 +215,8 @@ fn topology_flags(e: &Evidence) -> Vec<Flag> {
     }
     if even != voxels as f64 {
         let message = format!(
-            "the smooth surface has Euler characteristic {even}, the voxels' surface {voxels}: handles, cavities or \
-             bridges differ, mostly small ones that the blur closed or opened"
+            "the Euler characteristic is near {even}, the voxels' is {voxels}: the blur closed or opened handles, cavities \
+             or bridges, or, where the grid is coarse for sigma or the object thin, it is noise that lies near an even number"
         );
         return vec![Flag::new(FlagCode::EulerDiffersFromVoxels, message)];
     }
@@ -188,26 +225,37 @@ fn topology_flags(e: &Evidence) -> Vec<Flag> {
 
 fn shape_flags(e: &Evidence) -> Vec<Flag> {
     let (Some(sigma), Some((volume, area, _))) = (e.sigma, e.plain) else { return Vec::new() };
-    let thickness = 2.0 * volume / area;
-    let lost = e.compensated_volume.map(|v| v / e.voxel_volume - 1.0);
-    if thickness < THIN * sigma {
-        vec![Flag::new(
-            FlagCode::ThinForSigma,
-            format!(
-                "the mean thickness 2 V / A = {thickness:.3} mm is below 3 sigma = {:.3} mm: compensation is incomplete and thin parts may be gone; use a smaller --sigma",
-                THIN * sigma
-            ),
-        )]
-    } else if let Some(lost) = lost.filter(|l| l.abs() > VOLUME_TOLERANCE) {
-        vec![Flag::new(
-            FlagCode::ThinForSigma,
-            format!(
-                "the compensated volume is {:+.1} % off the voxels': parts thinner than about 3 sigma = {:.3} mm are affected; use a smaller --sigma",
-                100.0 * lost,
-                THIN * sigma
-            ),
-        )]
-    } else {
-        Vec::new()
+    let mut flags = Vec::new();
+    let (thickness, least) = (2.0 * volume / area, THIN * sigma);
+    let off = e.compensated_volume.map_or(0.0, |v| v / e.voxel_volume - 1.0);
+    if thickness < least {
+        let message = format!(
+            "the mean thickness 2 V / A = {thickness:.3} mm is below 3 sigma = {least:.3} mm: compensation is incomplete and \
+             thin parts may be gone; use a smaller --sigma"
+        );
+        flags.push(Flag::new(FlagCode::ThinForSigma, message));
+    } else if off.abs() > VOLUME_TOLERANCE {
+        let message = format!(
+            "the compensated volume is {:+.1} % off the voxels': parts thinner than about 3 sigma = {least:.3} mm are \
+             affected; use a smaller --sigma",
+            100.0 * off
+        );
+        flags.push(Flag::new(FlagCode::ThinForSigma, message));
+    }
+    if e.compensation_failed() {
+        let message = format!(
+            "the compensated volume would be {:+.0} % off the voxels', so the compensated values are null: the object is \
+             too thin for this sigma; use a smaller --sigma",
+            100.0 * off
+        );
+        flags.push(Flag::new(FlagCode::CompensationFailed, message));
+    }
+    flags
+}
+
+impl Evidence {
+    /// Whether compensation gave a volume that the voxels contradict.
+    pub fn compensation_failed(&self) -> bool {
+        self.compensated_volume.is_some_and(|v| (v / self.voxel_volume - 1.0).abs() > FAILED_VOLUME)
     }
 }

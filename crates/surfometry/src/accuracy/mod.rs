@@ -7,5 +7,6 @@ mod scale;
 pub use compensation::{CompensatedIntegrals, compensate};
 pub use flags::{Evidence, Flag, FlagCode, raise_flags};
 pub use scale::{
-    AUTO_SIGMA_SPACINGS, AUTO_THICKNESS_SPACINGS, auto_sigma, auto_thickness, band_variance, epsilon_of_blur,
+    AUTO_SIGMA_SPACINGS, AUTO_THICKNESS_SPACINGS, auto_sigma, auto_thickness, auto_thickness_of_blur,
+    band_variance, epsilon_of_blur, thickness_of_blur,
 };

@@ -11,6 +11,7 @@ use crate::volume::Mask;
 #[derive(Debug)]
 pub struct GaussianEmbedding<'a> {
     mask: &'a Mask,
+    sigma: f64,
     level: f64,
     convolution: Separable,
 }
@@ -19,12 +20,17 @@ impl<'a> GaussianEmbedding<'a> {
     /// The embedding of a mask with sigma in mm and level T; kernels are cut at `truncation` sigma.
     pub fn new(mask: &'a Mask, sigma: f64, level: f64, truncation: f64) -> Self {
         let convolution = Separable::new(sigma, mask.grid().spacing().mm(), truncation);
-        Self { mask, level, convolution }
+        Self { mask, sigma, level, convolution }
     }
 
     /// The object.
     pub fn mask(&self) -> &'a Mask {
         self.mask
+    }
+
+    /// Standard deviation of the blur, mm.
+    pub fn sigma(&self) -> f64 {
+        self.sigma
     }
 
     pub(crate) fn convolution(&self) -> &Separable {

@@ -23,8 +23,10 @@ struct XyStack {
 }
 
 impl Separable {
+    /// Kernels in units of sigma, so that f32 holds them whatever the unit of length: an n-th derivative comes out
+    /// multiplied by sigma^n.
     pub(crate) fn new(sigma: f64, spacing: [f64; 3], truncation: f64) -> Self {
-        let kernel = |axis: usize, order| GaussianKernel::new(sigma, spacing[axis], order, truncation);
+        let kernel = |axis: usize, order| GaussianKernel::new(1.0, spacing[axis] / sigma, order, truncation);
         let taps = |axis: usize| {
             std::array::from_fn(|order| kernel(axis, order).taps().iter().map(|&t| t as f32).collect())
         };

@@ -1,9 +1,11 @@
 //! Smeared delta and Heaviside, and the sums over a band that stand for integrals over a surface.
 
+mod band;
 mod partial;
 mod quadrature;
 mod smeared;
 
+pub use band::Band;
 pub use partial::{Partial, SurfaceIntegrals};
 pub use quadrature::{Quadrature, QuadratureRule};
 pub use smeared::{SmearedDelta, Smearing};
@@ -18,12 +20,12 @@ use rayon::prelude::*;
 /// The result is the same to the last bit for any number of threads: see [`Partial`].
 pub fn integrate<D: Differentiation + ?Sized>(
     scheme: &D,
-    delta: &SmearedDelta,
+    band: &Band,
     quadrature: &Quadrature,
     spacing: Spacing,
 ) -> Integrals {
-    let tiles = scheme.support(delta.half_width()).tiles(TILE_EDGE);
-    Integrals::of(&integrate_boxes(scheme, &tiles, delta, quadrature), spacing)
+    let tiles = scheme.support(band.delta().half_width()).tiles(TILE_EDGE);
+    Integrals::of(&integrate_boxes(scheme, &tiles, band, quadrature), spacing)
 }
 
 /// The part of an object's integrals that lies in some boxes, each of which is one tile or a part of one.
@@ -33,11 +35,12 @@ pub fn integrate<D: Differentiation + ?Sized>(
 pub fn integrate_boxes<D: Differentiation + ?Sized>(
     scheme: &D,
     boxes: &[IndexBox],
-    delta: &SmearedDelta,
+    band: &Band,
     quadrature: &Quadrature,
 ) -> Partial {
-    let part =
-        |region: &IndexBox| Partial::of_tile(&scheme.sample(region, delta.half_width()), delta, quadrature);
+    let part = |region: &IndexBox| {
+        Partial::of_tile(&scheme.sample(region, band.delta().half_width()), band, quadrature)
+    };
     boxes.par_iter().map(part).reduce(Partial::default, |a, b| a.merged(&b))
 }
 
@@ -52,7 +55,7 @@ pub struct Integrals {
     pub inside_voxels: u64,
     /// Voxels that the delta weighs.
     pub band_voxels: u64,
-    /// Band voxels left out of the curvature integrals because the gradient vanishes there.
+    /// Band voxels left out of the surface integrals because the gradient has collapsed there.
     pub voxels_without_normal: u64,
 }
 

@@ -1,6 +1,6 @@
 //! What one tile adds to the integrals, and how tiles add up.
 
-use super::{Quadrature, SmearedDelta};
+use super::{Band, Quadrature, SmearedDelta};
 use crate::local_geometry::{Curvature, TileSample};
 use crate::tiling::{ExactSum, IndexBox};
 
@@ -26,7 +26,7 @@ macro_rules! surface_integrals {
         }
 
         /// The same, exact.
-        #[derive(Debug, Clone, PartialEq, Eq, Default)]
+        #[derive(Debug, Clone, Default)]
         struct SurfaceSums {
             $($name: ExactSum,)*
         }
@@ -64,7 +64,7 @@ surface_integrals! {
 ///
 /// A tile is summed in one fixed order in f64; tiles are then added exactly. So the result depends neither on the
 /// number of threads nor on how the tiles were dealt out.
-#[derive(Debug, Clone, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Default)]
 pub struct Partial {
     volume: ExactSum,
     surface: SurfaceSums,
@@ -72,18 +72,18 @@ pub struct Partial {
     pub inside_voxels: u64,
     /// Voxels that the delta weighs.
     pub band_voxels: u64,
-    /// Band voxels whose gradient vanishes.
+    /// Band voxels whose gradient has collapsed.
     pub voxels_without_normal: u64,
 }
 
 impl Partial {
     /// The part of one tile.
-    pub fn of_tile(tile: &TileSample, delta: &SmearedDelta, quadrature: &Quadrature) -> Self {
+    pub fn of_tile(tile: &TileSample, band: &Band, quadrature: &Quadrature) -> Self {
         let weights = Weights::new(quadrature, tile.region());
         let mut partial = Self::default();
-        let volume = partial.add_volume(tile, delta, &weights);
+        let volume = partial.add_volume(tile, band.delta(), &weights);
         partial.volume.add(volume);
-        let surface = partial.add_surface(tile, delta, &weights);
+        let surface = partial.add_surface(tile, band, &weights);
         partial.surface.add(&surface);
         partial
     }
@@ -108,19 +108,15 @@ impl Partial {
         }
     }
 
-    fn add_surface(
-        &mut self,
-        tile: &TileSample,
-        delta: &SmearedDelta,
-        weights: &Weights,
-    ) -> SurfaceIntegrals {
+    fn add_surface(&mut self, tile: &TileSample, band: &Band, weights: &Weights) -> SurfaceIntegrals {
         let mut sums = SurfaceIntegrals::default();
-        let TileSample::Varying { band, .. } = tile else { return sums };
-        self.band_voxels = band.len() as u64;
-        for voxel in band {
-            let area =
-                delta.delta(voxel.jet.value) * voxel.jet.gradient_magnitude() * weights.at(voxel.index);
-            match Curvature::of(&voxel.jet) {
+        let TileSample::Varying { band: voxels, .. } = tile else { return sums };
+        self.band_voxels = voxels.len() as u64;
+        for voxel in voxels {
+            let area = band.delta().delta(voxel.jet.value)
+                * voxel.jet.gradient_magnitude()
+                * weights.at(voxel.index);
+            match band.curvature(&voxel.jet) {
                 Some(curvature) => sums.add(area, &curvature),
                 None => self.voxels_without_normal += 1,
             }

@@ -32,6 +32,7 @@ pub(crate) fn open(data: &VoxelData, bytes: u64) -> Result<Box<dyn Read + Send>,
         Encoding::Zlib => Box::new(ZlibDecoder::new(stored)),
         Encoding::Bzip2 => Box::new(bzip2::read::MultiBzDecoder::new(stored)),
     };
-    io::copy(&mut decoded.by_ref().take(skip), &mut io::sink()).map_err(io_error)?;
+    io::copy(&mut decoded.by_ref().take(skip), &mut io::sink())
+        .map_err(|source| ReadError::Decompression { found: 0, expected: bytes, source })?;
     Ok(decoded)
 }

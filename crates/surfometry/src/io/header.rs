@@ -27,10 +27,21 @@ impl Format {
     /// # Errors
     /// [`ReadError`] for a folder, a missing or empty file, or an unknown ending.
     pub fn detect(path: &Path) -> Result<Self, ReadError> {
-        let metadata = path.metadata().map_err(|e| ReadError::io(path, e))?;
+        let pattern = path.to_string_lossy().contains(['*', '?', '[']);
+        let metadata = path.metadata().map_err(|e| match e.kind() {
+            std::io::ErrorKind::NotFound if pattern => {
+                ReadError::UnknownFormat("no file matches this pattern".into())
+            }
+            _ => ReadError::io(path, e),
+        })?;
         if metadata.is_dir() {
             let message = format!("a folder: DICOM series and OME-Zarr are not read yet; {SUPPORTED}");
             return Err(ReadError::UnknownFormat(message));
+        }
+        if !metadata.is_file() {
+            return Err(ReadError::UnknownFormat(
+                "a device or pipe, not a file; copy its contents to a file first".into(),
+            ));
         }
         if metadata.len() == 0 {
             return Err(ReadError::UnknownFormat(
@@ -149,7 +160,7 @@ pub(crate) fn three_dimensions(stored: &[usize]) -> Result<[usize; 3], ReadError
     if stored.contains(&0) || stored.is_empty() {
         return Err(VolumeError::EmptyAxis { dimensions: stored.to_vec() }.into());
     }
-    let extra = stored.iter().skip(3).product::<usize>();
+    let extra = stored.iter().skip(3).fold(1usize, |product, &n| product.saturating_mul(n));
     if extra > 1 {
         return Err(ReadError::SeveralVolumes { dimensions: stored.to_vec(), count: extra });
     }

@@ -5,7 +5,7 @@
 
 use super::ReadError;
 use super::header::{ByteOrder, DataOffset, Encoding, Format, ImageHeader, VoxelData, three_dimensions};
-use super::text_header::{Lines, beside, numbers};
+use super::text_header::{Lines, beside, mm_per, numbers};
 use crate::volume::{Affine, ScalarType};
 use std::collections::HashMap;
 use std::path::Path;
@@ -94,6 +94,14 @@ fn scalar(name: &str) -> Result<ScalarType, ReadError> {
     })
 }
 
+/// mm in the header's unit of length; mm where none is named.
+fn unit(keys: &Keys) -> Result<f64, ReadError> {
+    let name = keys.text("DistanceUnits").unwrap_or("mm");
+    mm_per(name).ok_or_else(|| {
+        error(format!("DistanceUnits = {name} is not known; take the line out and give --spacing"))
+    })
+}
+
 fn spacing(keys: &Keys) -> Result<Option<[f64; 3]>, ReadError> {
     match keys.list::<f64>("ElementSpacing")?.or(keys.list("ElementSize")?).as_deref() {
         None => Ok(None),
@@ -119,7 +127,7 @@ fn affine(keys: &Keys, axes: usize) -> Result<Option<Affine>, ReadError> {
     }
     let directions = std::array::from_fn(|a| std::array::from_fn(|w| matrix[a * axes + w]));
     let affine = Affine::from_directions(directions, spacing, [origin[0], origin[1], origin[2]]);
-    Ok(Some(affine.with_lps_swapped()))
+    Ok(Some(affine.with_lps_swapped().scaled(unit(keys)?)))
 }
 
 fn data(path: &Path, keys: &Keys, header_end: u64) -> Result<VoxelData, ReadError> {
@@ -130,7 +138,7 @@ fn data(path: &Path, keys: &Keys, header_end: u64) -> Result<VoxelData, ReadErro
     if file == "LIST" || file.contains('%') {
         return Err(error("one data file a slice (LIST); save the image as one .mha file"));
     }
-    let local = file == "LOCAL";
+    let local = file.eq_ignore_ascii_case("local");
     let skip: i64 = keys.one("HeaderSize")?.unwrap_or(0);
     let offset = match (local, skip) {
         (true, _) => DataOffset::Stored(header_end),

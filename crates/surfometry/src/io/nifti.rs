@@ -39,7 +39,7 @@ pub(super) fn read_header(path: &Path) -> Result<ImageHeader, ReadError> {
         dimensions,
         scalar: fields.scalar()?,
         affine,
-        stated_spacing: (fields.sform_code <= 0).then(|| fields.spacing()),
+        stated_spacing: (!fields.has_sform()).then(|| fields.spacing()),
         other_spacing: fields.conflicting_spacing(affine.as_ref()),
         data: VoxelData {
             path: data_path,
@@ -51,18 +51,21 @@ pub(super) fn read_header(path: &Path) -> Result<ImageHeader, ReadError> {
     })
 }
 
-/// Header and image file of a path that may name either of a pair.
+/// Header and image file of a path that may name either of a pair. The other one may differ in being compressed.
 fn parts(path: &Path) -> (PathBuf, PathBuf) {
     let name = path.to_string_lossy();
-    let (stem, gz) = match name.strip_suffix(".gz") {
-        Some(stem) => (stem, ".gz"),
-        None => (&*name, ""),
+    let stem_end = if name.to_lowercase().ends_with(".gz") { name.len() - 3 } else { name.len() };
+    let (stem, gz) = name.split_at(stem_end);
+    let Some((base, ending)) = stem.rsplit_once('.') else { return (path.to_owned(), path.to_owned()) };
+    let other = |ending: &str| {
+        let candidates = [gz, "", ".gz"].map(|gz| PathBuf::from(format!("{base}.{ending}{gz}")));
+        candidates.iter().find(|p| p.exists()).unwrap_or(&candidates[0]).clone()
     };
-    let swapped =
-        |from: &str, to: &str| stem.strip_suffix(from).map(|s| PathBuf::from(format!("{s}{to}{gz}")));
-    match (swapped(".hdr", ".img"), swapped(".img", ".hdr")) {
-        (Some(image), _) => (path.to_owned(), image),
-        (_, Some(header)) => (header, path.to_owned()),
+    match ending {
+        "hdr" => (path.to_owned(), other("img")),
+        "HDR" => (path.to_owned(), other("IMG")),
+        "img" => (other("hdr"), path.to_owned()),
+        "IMG" => (other("HDR"), path.to_owned()),
         _ => (path.to_owned(), path.to_owned()),
     }
 }
@@ -244,9 +247,14 @@ impl Fields {
         [1, 2, 3].map(|i| self.pixdim[i] * self.unit())
     }
 
+    /// Whether the sform is named and was filled in.
+    fn has_sform(&self) -> bool {
+        self.sform_code > 0 && self.sform.iter().flatten().any(|&v| v != 0.0)
+    }
+
     /// The sform where it is set, else the qform, else the spacings alone.
     fn affine(&self) -> Option<Affine> {
-        let affine = if self.sform_code > 0 {
+        let affine = if self.has_sform() {
             let linear = self.sform.map(|row| [row[0], row[1], row[2]]);
             Affine { linear, origin: self.sform.map(|row| row[3]) }.scaled(self.unit())
         } else if self.qform_code > 0 {
@@ -274,7 +282,7 @@ impl Fields {
     fn conflicting_spacing(&self, affine: Option<&Affine>) -> Option<[f64; 3]> {
         let (used, pixdim) = (affine?.column_lengths(), self.spacing());
         let differs = (0..3).any(|a| (pixdim[a].abs() - used[a]).abs() > CONFLICT * used[a]);
-        (self.sform_code > 0 && differs).then_some(pixdim)
+        (self.has_sform() && differs).then_some(pixdim)
     }
 }
 

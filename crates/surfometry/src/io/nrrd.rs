@@ -5,7 +5,7 @@
 
 use super::ReadError;
 use super::header::{ByteOrder, DataOffset, Encoding, Format, ImageHeader, VoxelData, three_dimensions};
-use super::text_header::{Lines, beside, numbers};
+use super::text_header::{Lines, beside, mm_per, numbers};
 use crate::volume::{Affine, ScalarType};
 use std::collections::HashMap;
 use std::path::Path;
@@ -103,7 +103,7 @@ fn spatial_axes(fields: &Fields, sizes: &[usize]) -> Result<Vec<usize>, ReadErro
         (None, None) => axis < 3,
     };
     let (space, other): (Vec<usize>, Vec<usize>) = (0..sizes.len()).partition(|&a| is_space(a));
-    let count: usize = other.iter().map(|&a| sizes[a]).product();
+    let count = other.iter().fold(1usize, |product, &a| product.saturating_mul(sizes[a]));
     if count > 1 {
         return Err(ReadError::SeveralVolumes { dimensions: sizes.to_vec(), count });
     }
@@ -179,20 +179,20 @@ fn mirrored_x(mut affine: Affine) -> Affine {
     affine
 }
 
-/// mm in the header's unit of length; mm where none is named.
+/// mm in the header's unit of length; mm where none is named. All axes must have the same.
 fn unit(fields: &Fields) -> Result<f64, ReadError> {
     let Some(text) = fields.get(&["space units", "units"]) else { return Ok(1.0) };
-    let first = text.split('"').find(|t| !t.trim().is_empty()).unwrap_or("mm").trim();
-    match first {
-        "mm" | "millimeter" | "millimeters" | "millimetre" | "???" => Ok(1.0),
-        "um" | "µm" | "μm" | "micron" | "microns" | "micrometer" | "micrometers" => Ok(1e-3),
-        "nm" => Ok(1e-6),
-        "cm" => Ok(10.0),
-        "m" => Ok(1000.0),
-        other => Err(error(format!(
-            "unit `{other}` is not known; give the spacing in mm in a header without units"
-        ))),
+    // Names in quotes, one an axis; an axis that is no space has an empty one.
+    let mut names = text.split('"').map(str::trim).filter(|t| !t.is_empty());
+    let first = names.next().unwrap_or("mm");
+    if names.any(|name| name != first) {
+        return Err(error(format!(
+            "axes of different units ({text}); give the spacing in mm in a header without units"
+        )));
     }
+    mm_per(first).ok_or_else(|| {
+        error(format!("unit `{first}` is not known; give the spacing in mm in a header without units"))
+    })
 }
 
 fn data(path: &Path, fields: &Fields, scalar: ScalarType, header_end: u64) -> Result<VoxelData, ReadError> {

@@ -47,6 +47,18 @@ pub(crate) fn numbers<T: std::str::FromStr>(text: &str) -> Option<Vec<T>> {
     text.split_whitespace().map(|t| t.parse().ok()).collect()
 }
 
+/// mm in a unit of length; `None` for an unknown one.
+pub(crate) fn mm_per(unit: &str) -> Option<f64> {
+    match unit {
+        "mm" | "millimeter" | "millimeters" | "millimetre" | "millimetres" | "???" | "?" => Some(1.0),
+        "um" | "µm" | "μm" | "micron" | "microns" | "micrometer" | "micrometers" => Some(1e-3),
+        "nm" | "nanometer" | "nanometers" => Some(1e-6),
+        "cm" | "centimeter" | "centimeters" => Some(10.0),
+        "m" | "meter" | "meters" => Some(1000.0),
+        _ => None,
+    }
+}
+
 /// A data file named in a header, relative to it.
 pub(crate) fn beside(header: &Path, name: &str) -> PathBuf {
     header.parent().unwrap_or(Path::new("")).join(name)

@@ -15,7 +15,8 @@ pub struct Curvature {
 
 impl Curvature {
     /// H and K, or `None` where the gradient vanishes (or is too small for its fourth power to be a number): there
-    /// the level set has no normal.
+    /// the level set has no normal. Where it is small but not 0, as half-way through a plate, they are numbers
+    /// without meaning; the integrals leave those voxels out (`integrals::Band`).
     ///
     /// # References
     /// Besler et al., appendix, with two corrections: H is half of what is printed, and the last term of K is

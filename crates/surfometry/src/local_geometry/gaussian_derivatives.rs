@@ -26,6 +26,7 @@ impl<'a> GaussianDerivatives<'a> {
 
     /// Derivatives at the band's voxels, the hull of which is all that is convolved.
     fn band(&self, phi: &Block<f64>, indices: &[[i64; 3]]) -> Vec<BandVoxel> {
+        let sigma = self.embedding.sigma();
         let hull = indices.iter().fold(IndexBox::EMPTY, |hull, &i| hull.hull(&IndexBox::voxel(i)));
         let mut band = Vec::with_capacity(indices.len());
         let mut rest = indices;
@@ -35,8 +36,11 @@ impl<'a> GaussianDerivatives<'a> {
             rest = others;
             band.extend(slice.iter().map(|&index| {
                 let offset = (index[1] - hull.lower[1]) as usize * nx + (index[0] - hull.lower[0]) as usize;
-                // phi = T - blur, so its derivatives are those of the blur, negated.
-                let derivative = |n: usize| -f64::from(planes[n][offset]);
+                // phi = T - blur, so its derivatives are those of the blur, negated; they come in units of sigma.
+                let derivative = |n: usize| {
+                    let order = if n < 3 { 1 } else { 2 };
+                    -f64::from(planes[n][offset]) / sigma.powi(order)
+                };
                 let jet = Jet {
                     value: phi.get(index),
                     gradient: std::array::from_fn(derivative),

@@ -1,7 +1,9 @@
 //! Choices, checked and filled in for a grid.
 
 use super::Measurement;
-use crate::accuracy::{auto_sigma, auto_thickness, epsilon_of_blur};
+use crate::accuracy::{
+    auto_sigma, auto_thickness, auto_thickness_of_blur, epsilon_of_blur, thickness_of_blur,
+};
 use crate::integrals::{QuadratureRule, Smearing};
 use crate::volume::{Spacing, VolumeError};
 use serde::Serialize;
@@ -49,18 +51,33 @@ pub enum MeasureError {
     Conflict(&'static str),
     /// The band would weigh all of space.
     #[error(
-        "thickness {thickness} mm at level {level} gives epsilon {epsilon:.4}, but the blurred field saturates at \
-         {saturation:.4}: choose a smaller --thickness, a larger --sigma or a --level nearer 0.5"
+        "the band is too wide: epsilon is {epsilon:.4}, but at level {level} the blurred field is flat from \
+         {saturation:.4} on; choose a smaller --thickness (or --epsilon), a larger --sigma or a --level nearer 0.5"
     )]
     BandTooWide {
-        /// t, mm.
-        thickness: f64,
         /// T.
         level: f64,
         /// eps.
         epsilon: f64,
         /// Smallest |phi| far from the surface.
         saturation: f64,
+    },
+    /// A blur or band so wide, in voxels, that its neighbourhood does not fit in memory.
+    #[error(
+        "{name} {value} mm is {voxels:.0} voxels of {spacing} mm, more than the {most:.0} that can be handled: choose a \
+         smaller --{name}, or check the spacing"
+    )]
+    TooWide {
+        /// Parameter.
+        name: &'static str,
+        /// Its value, mm.
+        value: f64,
+        /// The same in voxels.
+        voxels: f64,
+        /// Smallest spacing, mm.
+        spacing: f64,
+        /// The most voxels.
+        most: f64,
     },
     /// A field too small for shifted differences.
     #[error("the field has {voxels} voxels along axis {axis}; fourth-order differences need at least 6")]
@@ -93,8 +110,8 @@ pub struct Parameters {
     pub delta: Smearing,
     /// Blur, mm; `None` without one.
     pub sigma_mm: Option<f64>,
-    /// Band thickness, mm; `None` where eps was given instead.
-    pub thickness_mm: Option<f64>,
+    /// Band thickness across a flat surface, mm; what eps stands for, where that was given instead.
+    pub thickness_mm: f64,
     /// Level T; `None` without a blur.
     pub level: Option<f64>,
     /// Half-width of the delta in units of phi.
@@ -122,22 +139,26 @@ impl Parameters {
 
     fn of_blur(m: &Measurement, spacing: Spacing) -> Result<Self, MeasureError> {
         let sigma = m.sigma.unwrap_or_else(|| auto_sigma(spacing));
-        let thickness = m.thickness.unwrap_or_else(|| auto_thickness(spacing));
-        let parameters = Self {
+        let saturation = m.level.min(1.0 - m.level);
+        let thickness = match (m.thickness, m.epsilon) {
+            (Some(thickness), _) => thickness,
+            (None, Some(epsilon)) => thickness_of_blur(sigma, epsilon),
+            (None, None) => auto_thickness_of_blur(spacing, sigma, saturation),
+        };
+        let epsilon = m.epsilon.unwrap_or_else(|| epsilon_of_blur(sigma, thickness));
+        if epsilon >= saturation {
+            return Err(MeasureError::BandTooWide { level: m.level, epsilon, saturation });
+        }
+        Ok(Self {
             embedding: EmbeddingKind::Gaussian,
             derivatives: m.derivatives.unwrap_or(Derivatives::Gaussian),
             quadrature: m.quadrature,
             delta: m.delta,
             sigma_mm: Some(sigma),
-            thickness_mm: m.epsilon.is_none().then_some(thickness),
+            thickness_mm: thickness,
             level: Some(m.level),
-            epsilon: m.epsilon.unwrap_or_else(|| epsilon_of_blur(sigma, thickness)),
-        };
-        let (epsilon, saturation) = (parameters.epsilon, parameters.saturation());
-        if epsilon >= saturation {
-            return Err(MeasureError::BandTooWide { thickness, level: m.level, epsilon, saturation });
-        }
-        Ok(parameters)
+            epsilon,
+        })
     }
 
     fn without_blur(
@@ -151,18 +172,34 @@ impl Parameters {
                  differentiated by finite differences",
             ));
         }
-        let thickness = m.thickness.unwrap_or_else(|| auto_thickness(spacing));
+        // Of a distance, whose slope is 1; a given field's follows from its slope.
+        let thickness = match (m.thickness, m.epsilon) {
+            (Some(thickness), _) => thickness,
+            (None, Some(epsilon)) => 2.0 * epsilon,
+            (None, None) => auto_thickness(spacing),
+        };
         Ok(Self {
             embedding,
             derivatives: Derivatives::FiniteDifference,
             quadrature: m.quadrature,
             delta: m.delta,
             sigma_mm: None,
-            thickness_mm: m.epsilon.is_none().then_some(thickness),
+            thickness_mm: thickness,
             level: None,
-            // Of a distance; a given field's follows from its slope.
-            epsilon: m.epsilon.unwrap_or(thickness / 2.0),
+            epsilon: thickness / 2.0,
         })
+    }
+
+    /// Refuses a length of more than `most` voxels of the smallest spacing.
+    pub(super) fn check_reach(
+        name: &'static str,
+        value: f64,
+        most: f64,
+        spacing: Spacing,
+    ) -> Result<(), MeasureError> {
+        let spacing = spacing.smallest();
+        let voxels = value / spacing;
+        if voxels > most { Err(MeasureError::TooWide { name, value, voxels, spacing, most }) } else { Ok(()) }
     }
 
     /// Smallest |phi| far from the surface.

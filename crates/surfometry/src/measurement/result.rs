@@ -71,6 +71,9 @@ pub struct PlainValues {
 impl PlainValues {
     pub(super) fn of(integrals: &Integrals) -> Self {
         let surface = &integrals.surface;
+        if surface.area <= 0.0 {
+            return Self { volume_mm3: Some(integrals.volume), ..Self::default() };
+        }
         Self {
             volume_mm3: Some(integrals.volume),
             surface_area_mm2: Some(surface.area),

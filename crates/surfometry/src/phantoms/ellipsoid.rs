@@ -24,21 +24,33 @@ impl Ellipsoid {
     }
 }
 
-/// Integral of f over the unit sphere: trapezoids in the azimuth (spectral on a circle), Gauss panels in the height.
+/// Integral of f over the unit sphere, refined until it stands still: flat shapes need many points.
 fn over_unit_sphere(f: impl Fn([f64; 3]) -> f64) -> f64 {
-    const AZIMUTHS: u32 = 256;
-    const PANELS: u32 = 64;
+    let mut coarse = on_panels(&f, 32);
+    for panels in [64, 128, 256, 512] {
+        let fine = on_panels(&f, panels);
+        if (fine / coarse - 1.0).abs() < 1e-12 {
+            return fine;
+        }
+        coarse = fine;
+    }
+    coarse
+}
+
+/// Trapezoids in the azimuth (spectral on a circle), Gauss panels in the latitude.
+fn on_panels(f: impl Fn([f64; 3]) -> f64, panels: u32) -> f64 {
+    let azimuths = 4 * panels;
     let ring = |z: f64| {
         let r = libm::sqrt(1.0 - z * z);
-        let angles = (0..AZIMUTHS).map(|i| TAU * f64::from(i) / f64::from(AZIMUTHS));
-        angles.map(|a| f([r * libm::cos(a), r * libm::sin(a), z])).sum::<f64>() * TAU / f64::from(AZIMUTHS)
+        let angles = (0..azimuths).map(|i| TAU * f64::from(i) / f64::from(azimuths));
+        angles.map(|a| f([r * libm::cos(a), r * libm::sin(a), z])).sum::<f64>() * TAU / f64::from(azimuths)
     };
     // z = sin(latitude) crowds the panels at the poles, where a flat ellipsoid varies fastest.
     let mut sum = 0.0;
-    for panel in 0..PANELS {
+    for panel in 0..panels {
         for (node, weight) in GAUSS_5 {
-            let latitude = PI * ((f64::from(panel) + node) / f64::from(PANELS) - 0.5);
-            sum += weight * PI / f64::from(PANELS) * libm::cos(latitude) * ring(libm::sin(latitude));
+            let latitude = PI * ((f64::from(panel) + node) / f64::from(panels) - 0.5);
+            sum += weight * PI / f64::from(panels) * libm::cos(latitude) * ring(libm::sin(latitude));
         }
     }
     sum

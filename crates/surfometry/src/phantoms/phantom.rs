@@ -23,8 +23,9 @@ impl Phantom {
         let half = pose.half_extent(shape.half_extent());
         let reach: [f64; 3] = std::array::from_fn(|a| half[a] + pose.shift()[a].abs());
         crate::volume::Spacing::new(spacing)?;
-        let dimensions: [usize; 3] =
-            std::array::from_fn(|a| (2.0 * reach[a] / spacing[a]).ceil() as usize + 1 + 2 * MARGIN);
+        // The conversion saturates at what no grid accepts, with room for the margin.
+        let voxels = |a: usize| (2.0 * reach[a] / spacing[a]).ceil().min(1e15) as usize;
+        let dimensions: [usize; 3] = std::array::from_fn(|a| voxels(a) + 1 + 2 * MARGIN);
         let mut affine = Affine::diagonal(spacing);
         affine.origin = std::array::from_fn(|a| -0.5 * (dimensions[a] - 1) as f64 * spacing[a]);
         Ok(Self { shape: Box::new(shape), pose, grid: Grid::new(dimensions, affine)? })

@@ -75,7 +75,7 @@ impl Phantom {
     pub fn from_spec(text: &str) -> Result<Self, ParsePhantomError> {
         let spec = text.strip_prefix("phantom:").unwrap_or(text);
         let (name, query) = spec.split_once('?').unwrap_or((spec, ""));
-        let mut values = Values::parse(name, query);
+        let mut values = Values::parse(name, query)?;
         let shape = shape(&mut values)?;
         let pose = Pose::new(values.triple("rotate", [0.0; 3])?, values.triple("shift", [0.0; 3])?);
         let spacing = values.triple("spacing", [1.0; 3])?;
@@ -127,7 +127,7 @@ fn shape(v: &mut Values) -> Result<Box<dyn Shape>, ParsePhantomError> {
 
 fn periodic(v: &mut Values, surface: MinimalSurface) -> Result<Box<dyn Shape>, ParsePhantomError> {
     let shape = Periodic { surface, period: v.length("period", 40.0)?, size: v.length("size", 60.0)? };
-    v.require(shape.size >= 0.5 * shape.period, "size must be at least half the period")?;
+    v.require(shape.size >= shape.period, "size must be at least one period")?;
     Ok(Box::new(shape))
 }
 
@@ -139,14 +139,20 @@ struct Values {
 }
 
 impl Values {
-    fn parse(name: &str, query: &str) -> Self {
-        let pairs = query.split('&').filter(|pair| !pair.is_empty());
-        let given = pairs.map(|pair| pair.split_once('=').unwrap_or((pair, "")));
-        Self {
-            name: name.to_owned(),
-            given: given.map(|(k, v)| (k.to_owned(), v.to_owned())).collect(),
-            known: Vec::new(),
+    fn parse(name: &str, query: &str) -> Result<Self, ParsePhantomError> {
+        let mut given = BTreeMap::new();
+        for pair in query.split('&').filter(|pair| !pair.is_empty()) {
+            let (key, value) = pair.split_once('=').unwrap_or((pair, ""));
+            if given.insert(key.to_owned(), value.to_owned()).is_some() {
+                let expected = "each key once";
+                return Err(ParsePhantomError::BadValue {
+                    key: key.to_owned(),
+                    value: value.to_owned(),
+                    expected,
+                });
+            }
         }
+        Ok(Self { name: name.to_owned(), given, known: Vec::new() })
     }
 
     fn take<T>(
@@ -231,6 +237,9 @@ mod tests {
         assert!(message("phantom:ball?spacing=1,1").contains("three numbers"));
         assert!(message("phantom:ball?spacing=1,0,1").contains("spacing along axis 1 is 0"));
         assert!(message("phantom:torus?major=5&minor=6").contains("minor must be less"));
-        assert!(message("phantom:ball?radius=1e9").contains("memory cannot hold"));
+        for huge in ["radius=1e9", "radius=1e300", "shift=1e300,0,0"] {
+            assert!(message(&format!("phantom:ball?{huge}")).contains("memory"), "{huge}");
+        }
+        assert!(message("phantom:ball?radius=5&radius=6").contains("each key once"));
     }
 }

@@ -32,23 +32,25 @@ fn add(row: &mut Map<String, Value>, key: &str, value: &Value) {
     }
 }
 
-/// All columns in order of first appearance, and each row's values, null where a row lacks a column.
-pub fn columns_and_rows(records: &[Value]) -> (Vec<String>, Vec<Vec<Value>>) {
-    let rows: Vec<Map<String, Value>> = records.iter().map(flatten).collect();
+/// The columns of all rows, each beside the neighbours that it first appeared with.
+///
+/// # Errors
+/// The first row's that could not be made.
+pub fn columns_of<E>(rows: impl Iterator<Item = Result<Map<String, Value>, E>>) -> Result<Vec<String>, E> {
     let mut columns: Vec<String> = Vec::new();
-    for row in &rows {
+    for row in rows {
+        let row = row?;
+        // Nearly all rows have the columns of the one before.
+        if row.keys().eq(&columns) {
+            continue;
+        }
         for (position, key) in row.keys().enumerate() {
             if !columns.contains(key) {
-                // Beside its neighbours, so that optional fields do not end up last.
                 columns.insert(position.min(columns.len()), key.clone());
             }
         }
     }
-    let values = |row: &Map<String, Value>| {
-        columns.iter().map(|c| row.get(c).cloned().unwrap_or(Value::Null)).collect()
-    };
-    let rows = rows.iter().map(values).collect();
-    (columns, rows)
+    Ok(columns)
 }
 
 #[cfg(test)]
@@ -71,8 +73,8 @@ mod tests {
 
     #[test]
     fn rows_share_columns() {
-        let (columns, rows) = columns_and_rows(&[json!({"a": 1, "c": 3}), json!({"a": 1, "b": 2, "c": 3})]);
-        assert_eq!(columns, ["a", "b", "c"]);
-        assert_eq!(rows[0], [json!(1), Value::Null, json!(3)]);
+        let rows = [json!({"a": 1, "c": 3}), json!({"a": 1, "b": 2, "c": 3}), json!({"error": ""})];
+        let columns = columns_of(rows.iter().map(|row| Ok::<_, ()>(flatten(row)))).unwrap();
+        assert_eq!(columns, ["error", "a", "b", "c"]);
     }
 }

@@ -2,11 +2,12 @@
 
 use super::Record;
 use crate::accuracy::{Flag, FlagCode};
-use crate::io::{ImageHeader, ReadError, ReadOptions, VoxelStream, read_field};
+use crate::io::{ImageHeader, ReadError, ReadOptions, VoxelStream};
 use crate::measurement::{EmbeddingKind, MeasureError, Measured, Measurement};
 use crate::phantoms::{ParsePhantomError, Phantom, Truth};
-use crate::volume::{LabelGroup, LabelImage, LabelSelection, VolumeError};
+use crate::volume::{FieldImage, LabelGroup, LabelImage, LabelSelection, VolumeError};
 use std::path::Path;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 use thiserror::Error;
 
@@ -91,13 +92,13 @@ fn conflict_flag(header: &ImageHeader, spacing: Option<[f64; 3]>) -> Option<Flag
     let (affine, other) = (header.affine.filter(|_| spacing.is_none())?, header.other_spacing?);
     let used = affine.column_lengths();
     let message = format!(
-        "the header's affine says spacing {used:?} mm, its pixdim {other:?} mm; the affine is used: check which is \
+        "the header's affine says spacing {used:.6?} mm, its pixdim {other:.6?} mm; the affine is used: check which is \
          right, and override with --spacing X,Y,Z"
     );
     Some(Flag::new(FlagCode::SpacingConflict, message))
 }
 
-/// Measures every selected object of an input; `progress` is told how many are done, of how many.
+/// Measures every selected object of an input; `progress` is told how many are done, of how many, from any thread.
 ///
 /// # Errors
 /// [`InputError`]; nothing of the input is reported then.
@@ -105,37 +106,24 @@ pub fn measure_input(
     input: &str,
     measurement: &Measurement,
     options: &InputOptions,
-    mut progress: impl FnMut(usize, usize),
+    progress: impl Fn(usize, usize) + Sync,
 ) -> Result<Vec<Record>, InputError> {
     if measurement.embedding == EmbeddingKind::Given {
         return measure_field(input, measurement, options);
     }
     let source = open_labels(input, options.spacing)?;
-    let groups = options.labels.resolve(&source.image)?;
-    let total = groups.len();
-    let mut records = Vec::with_capacity(total);
-    for (number, group) in groups.into_iter().enumerate() {
-        progress(number, total);
-        let measured = measure_group(&source, &group, measurement)?;
-        records.push(Record { input: input.to_owned(), label: Some(group), name: None, measured });
-    }
-    Ok(records)
-}
-
-fn measure_group(
-    source: &LabelInput,
-    group: &LabelGroup,
-    measurement: &Measurement,
-) -> Result<Measured, InputError> {
-    let start = Instant::now();
-    let mask = source.image.group_mask(group);
-    let extraction = start.elapsed().as_secs_f64();
-    let mut measured = measurement.run(&mask)?;
-    measured.seconds += extraction;
-    measured.read_seconds = Some(source.read_seconds);
-    measured.truth = source.truth;
-    measured.flags.splice(0..0, source.flags.iter().cloned());
-    Ok(measured)
+    let total = options.labels.resolve(&source.image)?.len();
+    progress(0, total);
+    let done = AtomicUsize::new(0);
+    let count = |_: &LabelGroup| progress(done.fetch_add(1, Ordering::Relaxed) + 1, total);
+    let results = measurement.run_labels(&source.image, &options.labels, count)?;
+    let record = |(label, mut measured): (LabelGroup, Measured)| {
+        measured.read_seconds = Some(source.read_seconds);
+        measured.truth = source.truth;
+        measured.flags.splice(0..0, source.flags.iter().cloned());
+        Record { input: input.to_owned(), label: Some(label), name: None, measured }
+    };
+    Ok(results.into_iter().map(record).collect())
 }
 
 fn measure_field(
@@ -152,9 +140,11 @@ fn measure_field(
         return Err(InputError::Unfit("a field has no labels: leave --label out with --embedding given"));
     }
     let start = Instant::now();
-    let field = read_field(input, ReadOptions { spacing: options.spacing })?;
+    let mut stream = VoxelStream::open(Path::new(input), ReadOptions { spacing: options.spacing })?;
+    let field = FieldImage::from_slabs(&mut stream)?;
     let read_seconds = start.elapsed().as_secs_f64();
     let mut measured = measurement.run_field(&field)?;
     measured.read_seconds = Some(read_seconds);
+    measured.flags.splice(0..0, conflict_flag(stream.header(), options.spacing));
     Ok(vec![Record { input: input.to_owned(), label: None, name: None, measured }])
 }

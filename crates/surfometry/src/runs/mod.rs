@@ -4,6 +4,6 @@ mod flatten;
 mod input;
 mod output;
 
-pub use flatten::{columns_and_rows, flatten};
+pub use flatten::{columns_of, flatten};
 pub use input::{InputError, InputOptions, LabelInput, measure_input, open_labels};
 pub use output::{Failure, Output, Record, SCHEMA};

@@ -41,6 +41,21 @@ pub struct Record {
     pub measured: Measured,
 }
 
+impl Failure {
+    /// The failure of an input. A message that begins with the input's name does not get it twice.
+    pub fn new(input: &str, error: &impl std::fmt::Display) -> Self {
+        let error = error.to_string();
+        let error = error.strip_prefix(&format!("{input}: ")).map(str::to_owned).unwrap_or(error);
+        Self { input: input.to_owned(), error }
+    }
+}
+
+impl std::fmt::Display for Failure {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{}: {}", self.input, self.error)
+    }
+}
+
 /// An input that could not be measured.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Failure {

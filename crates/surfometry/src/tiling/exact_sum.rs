@@ -13,7 +13,7 @@ const LOWEST: i32 = -1074;
 const CARRY_AFTER: u32 = 1 << 30;
 
 /// A sum of f64 values that is exact, so that the order of adding and merging cannot change a bit of it.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone)]
 pub struct ExactSum {
     limbs: [i64; LIMBS],
     pending: u32,

@@ -55,8 +55,8 @@ pub enum VolumeError {
     },
     /// More voxels than can be counted or held.
     #[error(
-        "the header claims {dimensions:?} voxels, which this machine's memory cannot hold; the header may be damaged \
-         (check it with `surfometry info`), otherwise crop the image"
+        "an image of {dimensions:?} voxels is more than this machine's memory can hold; where a file's header says so it may \
+         be damaged, otherwise crop the image or take a coarser one"
     )]
     TooLarge {
         /// Dimensions as stored.

@@ -90,10 +90,22 @@ impl FromStr for LabelSelection {
             return Ok(Self::All);
         }
         let label = |part: &str| part.trim().parse::<i64>().ok().filter(|&l| l != 0);
-        let group = |part: &str| part.split('+').map(label).collect::<Option<Vec<_>>>().map(LabelGroup);
+        let group = |part: &str| {
+            part.split('+').map(label).collect::<Option<Vec<_>>>().map(without_repeats).map(LabelGroup)
+        };
         let groups = text.split(',').map(group).collect::<Option<Vec<_>>>();
-        groups.map(Self::Groups).ok_or_else(|| ParseSelectionError(text.to_owned()))
+        groups.map(without_repeats).map(Self::Groups).ok_or_else(|| ParseSelectionError(text.to_owned()))
     }
+}
+
+/// The first of each, in order.
+fn without_repeats<T: PartialEq>(items: Vec<T>) -> Vec<T> {
+    items.into_iter().fold(Vec::new(), |mut unique, item| {
+        if !unique.contains(&item) {
+            unique.push(item);
+        }
+        unique
+    })
 }
 
 #[cfg(test)]
@@ -110,6 +122,7 @@ mod tests {
         assert_eq!(groups("3"), ["3"]);
         assert_eq!(groups("3,-4"), ["3", "-4"]);
         assert_eq!(groups("1+2, 5"), ["1+2", "5"]);
+        assert_eq!(groups("1,2+2,1"), ["1", "2"]);
         for bad in ["", "0", "a", "1,,2", "1+", "1.5"] {
             assert!(bad.parse::<LabelSelection>().is_err(), "{bad}");
         }

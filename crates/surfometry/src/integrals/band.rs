@@ -1,0 +1,37 @@
+//! The band of voxels that stands for a surface.
+
+use super::SmearedDelta;
+use crate::local_geometry::{Curvature, Jet};
+
+/// Share of the expected slope below which a voxel's gradient says nothing of a surface. Half-way through a plate of 3
+/// voxels at sigma 2 voxels it is 0 and grows to half of a flat edge's at the faces.
+const COLLAPSED: f64 = 0.05;
+
+/// A smeared delta, and what a voxel of its band must be like for its curvature to count.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Band {
+    delta: SmearedDelta,
+    minimum_gradient: f64,
+}
+
+impl Band {
+    /// A band that is `thickness` mm wide across a flat surface, which sets the slope to expect: 2 eps / t.
+    ///
+    /// Where the band reaches the middle of a thin part, the gradient falls to 0 though no surface is near, and
+    /// curvature, which divides by it, blows up. Voxels with less than a twentieth of the expected slope carry no
+    /// curvature.
+    pub fn new(delta: SmearedDelta, thickness: f64) -> Self {
+        Self { delta, minimum_gradient: COLLAPSED * 2.0 * delta.epsilon() / thickness }
+    }
+
+    /// The delta.
+    pub fn delta(&self) -> &SmearedDelta {
+        &self.delta
+    }
+
+    /// Curvature at a voxel of the band; `None` where the gradient has collapsed.
+    pub fn curvature(&self, jet: &Jet) -> Option<Curvature> {
+        let gradient = jet.gradient_magnitude();
+        if gradient.is_finite() && gradient >= self.minimum_gradient { Curvature::of(jet) } else { None }
+    }
+}
