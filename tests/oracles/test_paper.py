@@ -69,7 +69,8 @@ def paper(mask, sigma, thickness, derivatives):
     delta = (1 + np.cos(np.pi * phi[band] / epsilon)) / (2 * epsilon)
     mean, gaussian, norm = curvatures(gradient[:, band], hessian[:, :, band])
     cell = np.prod(SPACING)
-    area = delta * norm * cell
+    # Where the gradient has collapsed there is no surface (docs/quantities.md).
+    area = delta * norm * cell * (norm >= 0.05 * 2 * epsilon / thickness)
     return {
         "volume_mm3": heaviside.sum() * cell,
         "surface_area_mm2": area.sum(),

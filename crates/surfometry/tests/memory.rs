@@ -22,6 +22,7 @@ fn at_most_twelve_bytes_a_voxel() {
     for measurement in [
         Measurement::default(),
         Measurement::paper(),
+        Measurement::default().sigma_mm(10.0).thickness_mm(5.0),
         Measurement::default().embedding(EmbeddingKind::Distance),
     ] {
         PEAK.reset_peak_usage();

@@ -3,7 +3,7 @@
 use super::{ALL_DONE, SOME_FAILED};
 use crate::inputs::expand;
 use crate::options::MeasureOptions;
-use crate::output::{check_output, csv_text, deliver, json_text, say, table_text};
+use crate::output::{check_output, csv_text, deliver, failures_text, json_text, say, table_text};
 use anyhow::Result;
 use clap::ValueEnum;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
@@ -78,7 +78,11 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
     }
     let output = Output::new(results, failures);
     let text = match args.format {
-        OutputFormat::Table => table_text(&output),
+        // A terminal has shown the failures already.
+        OutputFormat::Table if args.output.is_none() && std::io::stdout().is_terminal() => {
+            table_text(&output)
+        }
+        OutputFormat::Table => table_text(&output) + &failures_text(&output),
         OutputFormat::Json => json_text(&output)?,
         OutputFormat::Csv => csv_text(&output)?,
     };

@@ -36,13 +36,16 @@ pub(crate) fn table_text(output: &Output) -> String {
         text += "\nblurred: of the smoothed object; original: with the smoothing's shift undone. H > 0 on a ball; chi is \
                  the surface's (ball 2, torus 0).\n";
     }
-    if !output.failures.is_empty() {
-        text += "\nnot measured:\n";
-        for failure in &output.failures {
-            writeln!(text, "  {failure}").expect("writing to a string");
-        }
-    }
     text
+}
+
+/// Inputs that were not measured, for a table that goes where stderr does not.
+pub(crate) fn failures_text(output: &Output) -> String {
+    if output.failures.is_empty() {
+        return String::new();
+    }
+    let lines: Vec<String> = output.failures.iter().map(|failure| format!("  {failure}\n")).collect();
+    format!("\nnot measured:\n{}", lines.concat())
 }
 
 fn input_text(records: &[Record]) -> String {

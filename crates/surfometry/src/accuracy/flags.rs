@@ -137,7 +137,7 @@ fn grid_flags(e: &Evidence) -> Vec<Flag> {
         let cure = match e.sigma {
             // A band of 4 sigma reaches the flat ends of the blurred edge.
             Some(sigma) if sampled > 4.0 * sigma => {
-                format!("--sigma {:.3} or more, and --thickness auto", sampled / 4.0)
+                format!("--sigma {largest:.3} or more, and --thickness auto")
             }
             _ => format!("--thickness {sampled:.4}"),
         };
@@ -164,8 +164,8 @@ fn band_flags(e: &Evidence) -> Vec<Flag> {
         return vec![Flag::new(FlagCode::SurfaceVanished, message)];
     }
     let Some((volume, area, _)) = e.plain else {
-        let message = "no voxel with a normal lies in the band, so the surface integrals are null: it is too thin for this \
-                       grid; use --thickness auto";
+        let message = "no voxel with a normal lies in the band, so the surface integrals are null: band or blur are too thin \
+                       for this grid; use a larger --sigma, and --thickness auto";
         return vec![Flag::new(FlagCode::EmptyBand, message)];
     };
     let mut flags = Vec::new();
