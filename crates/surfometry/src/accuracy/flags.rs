@@ -1,5 +1,6 @@
 //! Warnings that travel with a result.
 
+use crate::integrals::Integrals;
 use crate::volume::Spacing;
 use serde::Serialize;
 use std::fmt;
@@ -94,8 +95,8 @@ pub struct Evidence {
     pub compensated_volume: Option<f64>,
     /// Whether anything is inside the level set.
     pub survives: bool,
-    /// Plain volume, area, Euler characteristic; `None` without a surface.
-    pub plain: Option<(f64, f64, f64)>,
+    /// The plain integrals; `None` without a surface.
+    pub plain: Option<Integrals>,
     /// Band voxels without a normal.
     pub voxels_without_normal: u64,
 }
@@ -135,8 +136,8 @@ fn grid_flags(e: &Evidence) -> Vec<Flag> {
     let sampled = SAMPLED_THICKNESS * largest;
     if below(e.thickness, sampled) {
         let cure = match e.sigma {
-            // A band of 4 sigma reaches the flat ends of the blurred edge.
-            Some(sigma) if sampled > 4.0 * sigma => {
+            // A band of 4.5 sigma reaches the flat ends of the blurred edge.
+            Some(sigma) if sampled > 4.45 * sigma => {
                 format!("--sigma {largest:.3} or more, and --thickness auto")
             }
             _ => format!("--thickness {sampled:.4}"),
@@ -163,7 +164,7 @@ fn band_flags(e: &Evidence) -> Vec<Flag> {
                        --sigma";
         return vec![Flag::new(FlagCode::SurfaceVanished, message)];
     }
-    let Some((volume, area, _)) = e.plain else {
+    let Some(plain) = e.plain else {
         let message = "no voxel with a normal lies in the band, so the surface integrals are null: band or blur are too thin \
                        for this grid; use a larger --sigma, and --thickness auto";
         return vec![Flag::new(FlagCode::EmptyBand, message)];
@@ -174,7 +175,7 @@ fn band_flags(e: &Evidence) -> Vec<Flag> {
             "the band reaches where the blurred edge is flat; use a smaller --thickness or a larger --sigma";
         flags.push(Flag::new(FlagCode::ThicknessAboveBlur, message));
     }
-    let mean_thickness = 2.0 * volume.min(e.voxel_volume) / area;
+    let mean_thickness = 2.0 * plain.volume.min(e.voxel_volume) / plain.surface.area;
     if e.thickness > mean_thickness {
         let message = format!(
             "the band is {:.4} mm thick, more than the object's mean thickness 2 V / A = {mean_thickness:.4} mm: volume and \
@@ -185,7 +186,7 @@ fn band_flags(e: &Evidence) -> Vec<Flag> {
     }
     if e.voxels_without_normal > 0 {
         let message = format!(
-            "the gradient collapses at {} voxels of the band (less than 5 % of a flat surface's), as half-way through thin \
+            "the gradient collapses at {} voxel(s) of the band (less than 5 % of a flat surface's), as half-way through thin \
              parts; they are left out of the surface integrals",
             e.voxels_without_normal
         );
@@ -195,7 +196,8 @@ fn band_flags(e: &Evidence) -> Vec<Flag> {
 }
 
 fn topology_flags(e: &Evidence) -> Vec<Flag> {
-    let Some((_, _, chi)) = e.plain else { return Vec::new() };
+    let Some(plain) = e.plain else { return Vec::new() };
+    let chi = plain.surface.gaussian / std::f64::consts::TAU;
     let voxels = e.voxel_euler;
     if e.distance {
         let message = format!(
@@ -224,9 +226,9 @@ fn topology_flags(e: &Evidence) -> Vec<Flag> {
 }
 
 fn shape_flags(e: &Evidence) -> Vec<Flag> {
-    let (Some(sigma), Some((volume, area, _))) = (e.sigma, e.plain) else { return Vec::new() };
+    let (Some(sigma), Some(plain)) = (e.sigma, e.plain) else { return Vec::new() };
     let mut flags = Vec::new();
-    let (thickness, least) = (2.0 * volume / area, THIN * sigma);
+    let (thickness, least) = (2.0 * plain.volume / plain.surface.area, THIN * sigma);
     let off = e.compensated_volume.map_or(0.0, |v| v / e.voxel_volume - 1.0);
     if thickness < least {
         let message = format!(

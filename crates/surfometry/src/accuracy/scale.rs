@@ -22,8 +22,9 @@ pub fn auto_thickness(spacing: Spacing) -> f64 {
     AUTO_THICKNESS_SPACINGS * spacing.largest()
 }
 
-/// Share of a blurred field's saturation that an automatic band keeps within: 95 % is t = 3.9 sigma at level 0.5.
-const AUTO_SATURATION: f64 = 0.95;
+/// Share of a blurred field's saturation that an automatic band keeps within: t = 4.48 sigma at level 0.5, which 2.5
+/// slices exceed from a spacing ratio of 7 on. Just below where the flag `thickness-above-blur` begins.
+const AUTO_SATURATION: f64 = 0.975;
 
 /// Thickness that suits a grid and a blur whose field saturates at `saturation`, mm: on slices much thicker than
 /// sigma the band would otherwise reach the blurred edge's flat ends.
@@ -86,7 +87,7 @@ mod tests {
         }
         let thick = Spacing::new([1.0, 1.0, 30.0]).unwrap();
         let sigma = auto_sigma(thick);
-        assert!((auto_thickness_of_blur(thick, sigma, 0.5) / sigma - 3.92).abs() < 0.01);
+        assert!((auto_thickness_of_blur(thick, sigma, 0.5) / sigma - 4.48).abs() < 0.01);
     }
 
     #[test]

@@ -252,8 +252,7 @@ impl Measurement {
             voxel_euler: topology.euler_characteristic_26,
             compensated_volume: compensated.map(|c| c.volume),
             survives: surviving.is_some(),
-            plain: with_surface
-                .map(|i| (i.volume, i.surface.area, i.surface.gaussian / std::f64::consts::TAU)),
+            plain: with_surface,
             voxels_without_normal: integrals.map_or(0, |i| i.voxels_without_normal),
         };
         let compensated = compensated.filter(|_| !evidence.compensation_failed());
