@@ -189,6 +189,7 @@ fn parameters_without_sense() {
     assert!(matches!(m.thickness_mm(1.0).epsilon(0.1).run(&ball()), Err(MeasureError::Conflict(_))));
     let distance = m.embedding(EmbeddingKind::Distance).derivatives(Derivatives::Gaussian);
     assert!(matches!(distance.run(&ball()), Err(MeasureError::Conflict(_))));
+    assert!(matches!(m.embedding(EmbeddingKind::Given).run(&ball()), Err(MeasureError::Conflict(_))));
     // The band of the blurred field would reach its background value and weigh all of space.
     let wide = m.level(0.1).thickness_mm(2.5).run(&ball()).unwrap_err();
     assert_says(&wide.to_string(), &["at level 0.1", "flat from 0.1", "smaller --thickness"]);

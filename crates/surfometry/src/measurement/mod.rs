@@ -156,38 +156,48 @@ impl Measurement {
     /// error: its numbers are `None`, under the flag `surface-vanished`.
     pub fn run(&self, mask: &Mask) -> Result<Measured, MeasureError> {
         let start = Instant::now();
-        let spacing = mask.grid().spacing();
-        let parameters = Parameters::resolve(self, spacing)?;
+        let parameters = Parameters::resolve(self, mask.grid().spacing())?;
         if mask.is_empty() {
             return Err(VolumeError::NoForeground.into());
         }
         let delta = SmearedDelta::new(self.delta, parameters.epsilon, parameters.saturation());
-        let band = Band::new(delta, parameters.thickness_mm);
-        let quadrature = Quadrature::unbounded(self.quadrature);
-        let integrals = match parameters.sigma_mm {
-            Some(sigma) if vanishes_for_certain(mask, sigma, self.level) => None,
-            Some(sigma) => {
-                Parameters::check_reach("sigma", sigma, MOST_SIGMA_VOXELS, spacing)?;
-                let embedding = GaussianEmbedding::new(mask, sigma, self.level, self.truncation);
-                Some(match parameters.derivatives {
-                    Derivatives::Gaussian => {
-                        integrate(&GaussianDerivatives::new(embedding), &band, &quadrature, spacing)
-                    }
-                    Derivatives::FiniteDifference => integrate(
-                        &FiniteDifferences::new(embedding, spacing.mm()),
-                        &band,
-                        &quadrature,
-                        spacing,
-                    ),
-                })
-            }
-            None => {
-                Parameters::check_reach("thickness", parameters.thickness_mm, MOST_BAND_VOXELS, spacing)?;
-                let scheme = FiniteDifferences::new(DistanceEmbedding::new(mask), spacing.mm());
-                Some(integrate(&scheme, &band, &quadrature, spacing))
-            }
-        };
+        let integrals =
+            self.embed_and_integrate(mask, &parameters, &Band::new(delta, parameters.thickness_mm))?;
         Ok(self.conclude(mask, parameters, &delta, integrals, start))
+    }
+
+    /// `None` where the blur is known to leave nothing.
+    fn embed_and_integrate(
+        &self,
+        mask: &Mask,
+        parameters: &Parameters,
+        band: &Band,
+    ) -> Result<Option<Integrals>, MeasureError> {
+        let spacing = mask.grid().spacing();
+        let quadrature = Quadrature::unbounded(self.quadrature);
+        let Some(sigma) = parameters.sigma_mm else {
+            if self.embedding == EmbeddingKind::Given {
+                return Err(MeasureError::Conflict(
+                    "a given embedding is a field, not a mask: use `run_field`",
+                ));
+            }
+            Parameters::check_reach("thickness", parameters.thickness_mm, MOST_BAND_VOXELS, spacing)?;
+            let scheme = FiniteDifferences::new(DistanceEmbedding::new(mask), spacing.mm());
+            return Ok(Some(integrate(&scheme, band, &quadrature, spacing)));
+        };
+        if vanishes_for_certain(mask, sigma, self.level) {
+            return Ok(None);
+        }
+        Parameters::check_reach("sigma", sigma, MOST_SIGMA_VOXELS, spacing)?;
+        let embedding = GaussianEmbedding::new(mask, sigma, self.level, self.truncation);
+        Ok(Some(match parameters.derivatives {
+            Derivatives::Gaussian => {
+                integrate(&GaussianDerivatives::new(embedding), band, &quadrature, spacing)
+            }
+            Derivatives::FiniteDifference => {
+                integrate(&FiniteDifferences::new(embedding, spacing.mm()), band, &quadrature, spacing)
+            }
+        }))
     }
 
     /// Measures the level set phi = 0 of a field that is an embedding already.
