@@ -276,6 +276,19 @@ fn sizes_that_overflow() {
     assert_says(&refusal("a.nrrd", header.to_owned() + &"\u{1}".repeat(64)), &["volumes in one file"]);
 }
 
+/// Several gzip members are one stream, cut anywhere, in the header too.
+#[test]
+fn several_gzip_members_are_read_as_one() {
+    let folder = tempfile::tempdir().unwrap();
+    let whole = nifti(CUBE, 2, &pseudo_random());
+    let expected = read_labels(write(folder.path(), "whole.nii", &whole)).unwrap();
+    for cut in [100, 352, 380] {
+        let members = [gzip(&whole[..cut]), gzip(&whole[cut..400]), gzip(&whole[400..])].concat();
+        let image = read_labels(write(folder.path(), "members.nii.gz", members)).unwrap();
+        assert_eq!(image.summaries(), expected.summaries(), "cut at {cut}");
+    }
+}
+
 /// Padding behind the last gzip member is no damage.
 #[test]
 fn padding_after_gzip_is_ignored() {
