@@ -16,21 +16,21 @@ needs_data = pytest.mark.skipif(not DATA.is_dir(), reason="../shared/data is abs
 
 
 def surfometry(*arguments):
-    """Runs the command line; its JSON output as Python objects."""
+    """Runs the command line; what it prints."""
     command = [str(BINARY), *map(str, arguments)]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
-    return json.loads(done.stdout)
+    return done.stdout
 
 
 def measure(path, *options):
     """Records of `surfometry measure`."""
-    return surfometry("measure", path, "--format", "json", *options)["results"]
+    return json.loads(surfometry("measure", path, "--format", "json", *options))["results"]
 
 
 def info(path, *options):
     """What `surfometry info` says of one file."""
-    return surfometry("info", path, "--json", *options)[0]
+    return json.loads(surfometry("info", path, "--json", *options))[0]
 
 
 def affine_of(document):

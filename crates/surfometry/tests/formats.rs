@@ -4,7 +4,7 @@
 
 mod common;
 
-use common::values;
+use common::{shared, values};
 use std::path::PathBuf;
 use surfometry::Measurement;
 use surfometry::io::{ReadOptions, read_labels, read_labels_with};
@@ -13,7 +13,7 @@ use surfometry::phantoms::{Ellipsoid, Phantom, Pose};
 use surfometry::volume::{Affine, Grid, LabelImage, LabelSelection, Samples, Slab, SlabReader, VolumeError};
 
 fn data(name: &str) -> PathBuf {
-    PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/data/real/formats")).join(name)
+    shared("formats").join(name)
 }
 
 fn measured(image: &LabelImage) -> Measured {

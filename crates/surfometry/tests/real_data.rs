@@ -4,19 +4,15 @@
 
 mod common;
 
-use std::path::PathBuf;
+use common::shared;
 use surfometry::Measurement;
 use surfometry::io::read_labels;
 use surfometry::measurement::{Derivatives, EmbeddingKind, Measured};
 use surfometry::runs::{InputOptions, measure_input};
 use surfometry::topology::VoxelTopology;
 
-fn data(name: &str) -> PathBuf {
-    PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/data/real")).join(name)
-}
-
 fn femur(measurement: &Measurement) -> Measured {
-    let image = read_labels(data("bone/libhip_m3_left_proximal_femur_1mm.nii.gz")).unwrap();
+    let image = read_labels(shared("bone/libhip_m3_left_proximal_femur_1mm.nii.gz")).unwrap();
     measurement.run(&image.mask(1)).unwrap()
 }
 
@@ -82,7 +78,7 @@ fn the_distance_embedding_is_nonsense_and_says_so() {
 #[test]
 #[cfg_attr(not(shared_data), ignore = "../shared/data is absent")]
 fn topology_of_every_label_is_scikit_images() {
-    let table = std::fs::read_to_string(data("figures.csv")).unwrap();
+    let table = std::fs::read_to_string(shared("figures.csv")).unwrap();
     let mut lines = table.lines();
     let header: Vec<&str> = lines.next().unwrap().split(',').collect();
     let column =
@@ -96,7 +92,7 @@ fn topology_of_every_label_is_scikit_images() {
             continue;
         }
         if image.0 != cells[file] {
-            image = (cells[file].to_owned(), Some(read_labels(data(cells[file])).unwrap()));
+            image = (cells[file].to_owned(), Some(read_labels(shared(cells[file])).unwrap()));
         }
         let mask = image.1.as_ref().unwrap().mask(cells[label].parse().unwrap());
         let topology = VoxelTopology::of(&mask);
@@ -116,7 +112,7 @@ fn topology_of_every_label_is_scikit_images() {
 #[test]
 #[cfg_attr(not(shared_data), ignore = "../shared/data is absent")]
 fn nine_vertebrae_of_a_scan() {
-    let input = data("bone/sub-verse004_seg-vert_msk.nii.gz");
+    let input = shared("bone/sub-verse004_seg-vert_msk.nii.gz");
     let m = Measurement::default();
     let records = measure_input(input.to_str().unwrap(), &m, &InputOptions::default(), |_, _| {}).unwrap();
     let labels: Vec<String> = records.iter().map(|r| r.label.as_ref().unwrap().to_string()).collect();
@@ -140,7 +136,7 @@ fn nine_vertebrae_of_a_scan() {
 #[cfg_attr(not(shared_data), ignore = "../shared/data is absent")]
 fn three_slices_give_no_absurd_numbers() {
     for name in ["liver_seg.nrrd", "spine_seg.nrrd"] {
-        let input = data("formats/original").join(name);
+        let input = shared("formats/original").join(name);
         let m = Measurement::default();
         for record in measure_input(input.to_str().unwrap(), &m, &InputOptions::default(), |_, _| {}).unwrap()
         {

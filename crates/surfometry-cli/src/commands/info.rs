@@ -28,7 +28,7 @@ pub(crate) struct Args {
 }
 
 pub(crate) fn run(args: &Args) -> Result<u8> {
-    let (mut text, mut documents, mut status) = (String::new(), Vec::new(), ALL_DONE);
+    let (mut documents, mut status) = (Vec::new(), ALL_DONE);
     for input in expand(&args.inputs) {
         let document = match open_labels(&input, args.spacing.map(|s| s.mm())) {
             Ok(source) => document(&input, &source),
@@ -40,12 +40,13 @@ pub(crate) fn run(args: &Args) -> Result<u8> {
                 json!({ "input": input, "error": failure.error, "header": header.as_ref().map(facts) })
             }
         };
-        text += &description(&document);
         documents.push(document);
     }
-    if args.json {
-        text = serde_json::to_string_pretty(&documents)? + "\n";
-    }
+    let text = if args.json {
+        serde_json::to_string_pretty(&documents)? + "\n"
+    } else {
+        documents.iter().map(description).collect()
+    };
     deliver(&text, None)?;
     Ok(status)
 }

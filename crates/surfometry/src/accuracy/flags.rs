@@ -93,12 +93,8 @@ pub struct Evidence {
     pub voxel_euler: i64,
     /// Volume for the original object, mm^3.
     pub compensated_volume: Option<f64>,
-    /// Whether anything is inside the level set.
-    pub survives: bool,
-    /// The plain integrals; `None` without a surface.
+    /// The plain integrals; `None` where nothing is inside the level set.
     pub plain: Option<Integrals>,
-    /// Band voxels without a normal.
-    pub voxels_without_normal: u64,
 }
 
 /// Largest distance of chi from an even integer that passes.
@@ -159,12 +155,12 @@ fn grid_flags(e: &Evidence) -> Vec<Flag> {
 }
 
 fn band_flags(e: &Evidence) -> Vec<Flag> {
-    if !e.survives {
+    if e.plain.is_none() {
         let message = "nothing is left inside the level set at this sigma and level, so the integrals are null; use a smaller \
                        --sigma";
         return vec![Flag::new(FlagCode::SurfaceVanished, message)];
     }
-    let Some(plain) = e.plain else {
+    let Some(plain) = e.with_surface() else {
         let message = "no voxel with a normal lies in the band, so the surface integrals are null: band or blur are too thin \
                        for this grid; use a larger --sigma, and --thickness auto";
         return vec![Flag::new(FlagCode::EmptyBand, message)];
@@ -184,11 +180,11 @@ fn band_flags(e: &Evidence) -> Vec<Flag> {
         );
         flags.push(Flag::new(FlagCode::ThicknessAboveObject, message));
     }
-    if e.voxels_without_normal > 0 {
+    if plain.voxels_without_normal > 0 {
         let message = format!(
             "the gradient collapses at {} voxel(s) of the band (less than 5 % of a flat surface's), as half-way through thin \
              parts; they are left out of the surface integrals",
-            e.voxels_without_normal
+            plain.voxels_without_normal
         );
         flags.push(Flag::new(FlagCode::VanishingGradient, message));
     }
@@ -196,7 +192,7 @@ fn band_flags(e: &Evidence) -> Vec<Flag> {
 }
 
 fn topology_flags(e: &Evidence) -> Vec<Flag> {
-    let Some(plain) = e.plain else { return Vec::new() };
+    let Some(plain) = e.with_surface() else { return Vec::new() };
     let chi = plain.surface.gaussian / std::f64::consts::TAU;
     let voxels = e.voxel_euler;
     if e.distance {
@@ -226,7 +222,7 @@ fn topology_flags(e: &Evidence) -> Vec<Flag> {
 }
 
 fn shape_flags(e: &Evidence) -> Vec<Flag> {
-    let (Some(sigma), Some(plain)) = (e.sigma, e.plain) else { return Vec::new() };
+    let (Some(sigma), Some(plain)) = (e.sigma, e.with_surface()) else { return Vec::new() };
     let mut flags = Vec::new();
     let (thickness, least) = (2.0 * plain.volume / plain.surface.area, THIN * sigma);
     let off = e.compensated_volume.map_or(0.0, |v| v / e.voxel_volume - 1.0);
@@ -256,6 +252,11 @@ fn shape_flags(e: &Evidence) -> Vec<Flag> {
 }
 
 impl Evidence {
+    /// The plain integrals where there is a surface.
+    fn with_surface(&self) -> Option<Integrals> {
+        self.plain.filter(Integrals::has_surface)
+    }
+
     /// Whether compensation gave a volume that the voxels contradict.
     pub fn compensation_failed(&self) -> bool {
         self.compensated_volume.is_some_and(|v| (v / self.voxel_volume - 1.0).abs() > FAILED_VOLUME)

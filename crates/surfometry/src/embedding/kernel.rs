@@ -11,8 +11,8 @@ pub const TRUNCATION: f64 = 5.0;
 /// Taps are sampled, not integrated over voxels, then normalised so that, before the cut, a constant (order 0), a ramp
 /// (order 1) and a parabola (order 2) are reproduced exactly at any ratio of sigma to spacing; a cut kernel still
 /// takes a constant to exactly 1 or 0. (Normalising the *cut* kernel would scale second derivatives up by its missing
-/// fourth moment, 2e-4 at 5 sigma, which costs M and chi twice as much as the missing tails do.) Below sigma = 0.8 voxels the samples no
-/// longer represent a Gaussian: the flag `sigma-below-spacing` warns from 1 voxel down.
+/// fourth moment, 2e-4 at 5 sigma, which costs M and chi twice as much as the missing tails do.) Below sigma = 0.8
+/// voxels the samples no longer represent a Gaussian: the flag `sigma-below-spacing` warns from 1 voxel down.
 #[derive(Debug, Clone, PartialEq)]
 pub struct GaussianKernel {
     taps: Vec<f64>,

@@ -29,9 +29,13 @@ impl Band {
         &self.delta
     }
 
-    /// Curvature at a voxel of the band; `None` where the gradient has collapsed.
-    pub fn curvature(&self, jet: &Jet) -> Option<Curvature> {
+    /// What a voxel adds to the surface: its area in a unit of volume, delta |grad phi|, and the curvature there; `None`
+    /// where the gradient has collapsed.
+    pub fn element(&self, jet: &Jet) -> Option<(f64, Curvature)> {
         let gradient = jet.gradient_magnitude();
-        if gradient.is_finite() && gradient >= self.minimum_gradient { Curvature::of(jet) } else { None }
+        if !gradient.is_finite() || gradient < self.minimum_gradient {
+            return None;
+        }
+        Curvature::of(jet).map(|curvature| (self.delta.delta(jet.value) * gradient, curvature))
     }
 }

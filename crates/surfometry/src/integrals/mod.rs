@@ -60,6 +60,11 @@ pub struct Integrals {
 }
 
 impl Integrals {
+    /// Whether any voxel with a normal lay in the band.
+    pub fn has_surface(&self) -> bool {
+        self.surface.area > 0.0
+    }
+
     /// The integrals that the parts of an object add up to.
     pub fn of(whole: &Partial, spacing: Spacing) -> Self {
         Self {

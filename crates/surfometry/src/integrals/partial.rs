@@ -113,11 +113,8 @@ impl Partial {
         let TileSample::Varying { band: voxels, .. } = tile else { return sums };
         self.band_voxels = voxels.len() as u64;
         for voxel in voxels {
-            let area = band.delta().delta(voxel.jet.value)
-                * voxel.jet.gradient_magnitude()
-                * weights.at(voxel.index);
-            match band.curvature(&voxel.jet) {
-                Some(curvature) => sums.add(area, &curvature),
+            match band.element(&voxel.jet) {
+                Some((density, curvature)) => sums.add(density * weights.at(voxel.index), &curvature),
                 None => self.voxels_without_normal += 1,
             }
         }

@@ -160,16 +160,24 @@ pub(crate) fn three_dimensions(stored: &[usize]) -> Result<[usize; 3], ReadError
     if stored.contains(&0) || stored.is_empty() {
         return Err(VolumeError::EmptyAxis { dimensions: stored.to_vec() }.into());
     }
-    let extra = stored.iter().skip(3).fold(1usize, |product, &n| product.saturating_mul(n));
-    if extra > 1 {
-        return Err(ReadError::SeveralVolumes { dimensions: stored.to_vec(), count: extra });
-    }
+    refuse_several(stored, stored.iter().skip(3))?;
     let volume = &stored[..stored.len().min(3)];
     if volume.len() < 3 || volume.contains(&1) {
         let cure = "stack the slices of a 2-D series into one volume first";
         return Err(VolumeError::NotThreeDimensional { dimensions: stored.to_vec(), cure }.into());
     }
     Ok([volume[0], volume[1], volume[2]])
+}
+
+/// Refuses more than one sample along the axes that are not space.
+pub(crate) fn refuse_several<'a>(
+    stored: &[usize],
+    other_axes: impl Iterator<Item = &'a usize>,
+) -> Result<(), ReadError> {
+    match other_axes.fold(1usize, |product, &n| product.saturating_mul(n)) {
+        0 | 1 => Ok(()),
+        count => Err(ReadError::SeveralVolumes { dimensions: stored.to_vec(), count }),
+    }
 }
 
 /// Reads the start of a file, at most `limit` bytes.

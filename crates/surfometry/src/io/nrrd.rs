@@ -4,7 +4,9 @@
 //! <https://teem.sourceforge.net/nrrd/format.html>.
 
 use super::ReadError;
-use super::header::{ByteOrder, DataOffset, Encoding, Format, ImageHeader, VoxelData, three_dimensions};
+use super::header::{
+    ByteOrder, DataOffset, Encoding, Format, ImageHeader, VoxelData, refuse_several, three_dimensions,
+};
 use super::text_header::{Lines, beside, mm_per, numbers};
 use crate::volume::{Affine, ScalarType};
 use std::collections::HashMap;
@@ -103,10 +105,7 @@ fn spatial_axes(fields: &Fields, sizes: &[usize]) -> Result<Vec<usize>, ReadErro
         (None, None) => axis < 3,
     };
     let (space, other): (Vec<usize>, Vec<usize>) = (0..sizes.len()).partition(|&a| is_space(a));
-    let count = other.iter().fold(1usize, |product, &a| product.saturating_mul(sizes[a]));
-    if count > 1 {
-        return Err(ReadError::SeveralVolumes { dimensions: sizes.to_vec(), count });
-    }
+    refuse_several(sizes, other.iter().map(|&a| &sizes[a]))?;
     Ok(space)
 }
 

@@ -26,7 +26,9 @@ impl<'a> GaussianDerivatives<'a> {
 
     /// Derivatives at the band's voxels, the hull of which is all that is convolved.
     fn band(&self, phi: &Block<f64>, indices: &[[i64; 3]]) -> Vec<BandVoxel> {
+        // Units of the gradient's three and the Hessian's six derivatives.
         let sigma = self.embedding.sigma();
+        let units = [sigma, sigma * sigma];
         let hull = indices.iter().fold(IndexBox::EMPTY, |hull, &i| hull.hull(&IndexBox::voxel(i)));
         let mut band = Vec::with_capacity(indices.len());
         let mut rest = indices;
@@ -37,10 +39,7 @@ impl<'a> GaussianDerivatives<'a> {
             band.extend(slice.iter().map(|&index| {
                 let offset = (index[1] - hull.lower[1]) as usize * nx + (index[0] - hull.lower[0]) as usize;
                 // phi = T - blur, so its derivatives are those of the blur, negated; they come in units of sigma.
-                let derivative = |n: usize| {
-                    let order = if n < 3 { 1 } else { 2 };
-                    -f64::from(planes[n][offset]) / sigma.powi(order)
-                };
+                let derivative = |n: usize| -f64::from(planes[n][offset]) / units[usize::from(n >= 3)];
                 let jet = Jet {
                     value: phi.get(index),
                     gradient: std::array::from_fn(derivative),

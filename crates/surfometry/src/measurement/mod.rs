@@ -16,6 +16,7 @@ use crate::local_geometry::{FiniteDifferences, GaussianDerivatives, MINIMUM_POIN
 use crate::topology::VoxelTopology;
 use crate::volume::{FieldImage, LabelGroup, LabelImage, LabelSelection, Mask, VolumeError};
 use rayon::prelude::*;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
 /// Largest sigma in voxels: the kernels' reach, five times that, is what a tile needs around it.
@@ -126,8 +127,8 @@ impl Measurement {
         Self { truncation, ..self }
     }
 
-    /// Measures the selected labels of an image, each as an object of its own, in parallel. `done` is called after
-    /// each, from whichever thread.
+    /// Measures the selected labels of an image, each as an object of its own, in parallel. `progress` is told how many
+    /// are done, of how many: first 0, then after each object, from whichever thread.
     ///
     /// # Errors
     /// [`MeasureError`] for a label that does not occur, an image without foreground, or parameters that make no sense.
@@ -135,18 +136,21 @@ impl Measurement {
         &self,
         image: &LabelImage,
         selection: &LabelSelection,
-        done: impl Fn(&LabelGroup) + Sync,
+        progress: impl Fn(usize, usize) + Sync,
     ) -> Result<Vec<(LabelGroup, Measured)>, MeasureError> {
+        let groups = selection.resolve(image)?;
+        let (done, total) = (AtomicUsize::new(0), groups.len());
+        progress(0, total);
         let measure = |group: LabelGroup| {
             let start = Instant::now();
             let mask = image.group_mask(&group);
             let extraction = start.elapsed().as_secs_f64();
             let mut measured = self.run(&mask)?;
             measured.seconds += extraction;
-            done(&group);
+            progress(done.fetch_add(1, Ordering::Relaxed) + 1, total);
             Ok((group, measured))
         };
-        selection.resolve(image)?.into_par_iter().map(measure).collect()
+        groups.into_par_iter().map(measure).collect()
     }
 
     /// Measures one object: the special case of one label.
@@ -185,7 +189,7 @@ impl Measurement {
             let scheme = FiniteDifferences::new(DistanceEmbedding::new(mask), spacing.mm());
             return Ok(Some(integrate(&scheme, band, &quadrature, spacing)));
         };
-        if vanishes_for_certain(mask, sigma, self.level) {
+        if self.vanishes_for_certain(mask, sigma) {
             return Ok(None);
         }
         Parameters::check_reach("sigma", sigma, MOST_SIGMA_VOXELS, spacing)?;
@@ -242,10 +246,9 @@ impl Measurement {
         start: Instant,
     ) -> Measured {
         let surviving = integrals.filter(|i| i.inside_voxels > 0);
-        let with_surface = surviving.filter(|i| i.surface.area > 0.0);
         let compensated = parameters
             .compensable_sigma()
-            .zip(with_surface)
+            .zip(surviving.filter(Integrals::has_surface))
             .map(|(sigma, integrals)| compensate(&integrals, sigma, band_variance(sigma, delta)));
         let seconds = start.elapsed().as_secs_f64();
         let topology = VoxelTopology::of(mask);
@@ -261,9 +264,7 @@ impl Measurement {
             voxel_volume: voxels.volume_mm3,
             voxel_euler: topology.euler_characteristic_26,
             compensated_volume: compensated.map(|c| c.volume),
-            survives: surviving.is_some(),
-            plain: with_surface,
-            voxels_without_normal: integrals.map_or(0, |i| i.voxels_without_normal),
+            plain: surviving,
         };
         let compensated = compensated.filter(|_| !evidence.compensation_failed());
         let mut flags = self.parameter_flags(mask, &parameters);
@@ -297,21 +298,21 @@ impl Measurement {
         }
         flags
     }
-}
 
-/// Whether the blurred indicator stays below the level everywhere: it is at most that of the bounding box, whose
-/// maximum is a product over the axes of the largest sum of as many neighbouring taps as the box is wide.
-fn vanishes_for_certain(mask: &Mask, sigma: f64, level: f64) -> bool {
-    let (spacing, extent) = (mask.grid().spacing().mm(), mask.bounds().extent());
-    let share = |a: usize| {
+    /// Whether the blurred indicator stays below the level everywhere: it is at most that of the bounding box, whose
+    /// maximum is a product over the axes of the largest sum of as many neighbouring taps as the box is wide.
+    fn vanishes_for_certain(&self, mask: &Mask, sigma: f64) -> bool {
         // From there on samples and the integral differ by less than the hundredth that is added.
         const FINE: f64 = 20.0;
-        let width = extent[a] as f64 * spacing[a];
-        if sigma > FINE * spacing[a] {
-            (1.01 * libm::erf(width / (2.0 * std::f64::consts::SQRT_2 * sigma))).min(1.0)
-        } else {
-            GaussianKernel::new(sigma, spacing[a], 0, TRUNCATION).largest_sum(extent[a])
-        }
-    };
-    (0..3).map(share).product::<f64>() < level * (1.0 - 1e-6)
+        let (spacing, extent) = (mask.grid().spacing().mm(), mask.bounds().extent());
+        let share = |a: usize| {
+            let width = extent[a] as f64 * spacing[a];
+            if sigma > FINE * spacing[a] {
+                (1.01 * libm::erf(width / (2.0 * std::f64::consts::SQRT_2 * sigma))).min(1.0)
+            } else {
+                GaussianKernel::new(sigma, spacing[a], 0, self.truncation).largest_sum(extent[a])
+            }
+        };
+        (0..3).map(share).product::<f64>() < self.level * (1.0 - 1e-6)
+    }
 }

@@ -139,12 +139,9 @@ impl Parameters {
 
     fn of_blur(m: &Measurement, spacing: Spacing) -> Result<Self, MeasureError> {
         let sigma = m.sigma.unwrap_or_else(|| auto_sigma(spacing));
-        let saturation = m.level.min(1.0 - m.level);
-        let thickness = match (m.thickness, m.epsilon) {
-            (Some(thickness), _) => thickness,
-            (None, Some(epsilon)) => thickness_of_blur(sigma, epsilon),
-            (None, None) => auto_thickness_of_blur(spacing, sigma, saturation),
-        };
+        let saturation = saturation_at(m.level);
+        let given = m.thickness.or_else(|| m.epsilon.map(|epsilon| thickness_of_blur(sigma, epsilon)));
+        let thickness = given.unwrap_or_else(|| auto_thickness_of_blur(spacing, sigma, saturation));
         let epsilon = m.epsilon.unwrap_or_else(|| epsilon_of_blur(sigma, thickness));
         if epsilon >= saturation {
             return Err(MeasureError::BandTooWide { level: m.level, epsilon, saturation });
@@ -173,11 +170,8 @@ impl Parameters {
             ));
         }
         // Of a distance, whose slope is 1; a given field's follows from its slope.
-        let thickness = match (m.thickness, m.epsilon) {
-            (Some(thickness), _) => thickness,
-            (None, Some(epsilon)) => 2.0 * epsilon,
-            (None, None) => auto_thickness(spacing),
-        };
+        let given = m.thickness.or_else(|| m.epsilon.map(|epsilon| 2.0 * epsilon));
+        let thickness = given.unwrap_or_else(|| auto_thickness(spacing));
         Ok(Self {
             embedding,
             derivatives: Derivatives::FiniteDifference,
@@ -204,11 +198,16 @@ impl Parameters {
 
     /// Smallest |phi| far from the surface.
     pub(super) fn saturation(&self) -> f64 {
-        self.level.map_or(f64::INFINITY, |level| level.min(1.0 - level))
+        self.level.map_or(f64::INFINITY, saturation_at)
     }
 
     /// sigma where compensation is defined: the Gaussian embedding at level 0.5.
     pub(super) fn compensable_sigma(&self) -> Option<f64> {
         self.sigma_mm.filter(|_| self.level == Some(0.5))
     }
+}
+
+/// Smallest |phi| far from the surface of a blurred indicator at a level.
+fn saturation_at(level: f64) -> f64 {
+    level.min(1.0 - level)
 }

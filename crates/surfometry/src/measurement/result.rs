@@ -71,7 +71,7 @@ pub struct PlainValues {
 impl PlainValues {
     pub(super) fn of(integrals: &Integrals) -> Self {
         let surface = &integrals.surface;
-        if surface.area <= 0.0 {
+        if !integrals.has_surface() {
             return Self { volume_mm3: Some(integrals.volume), ..Self::default() };
         }
         Self {

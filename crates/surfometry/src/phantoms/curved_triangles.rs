@@ -21,7 +21,8 @@ pub(crate) const GAUSS_5: [(f64, f64); 5] = [
 /// Refinements before giving up; each halves the lattice.
 const REFINEMENTS: usize = 3;
 
-/// Cells of a lattice, and of those the ones that the surface cuts, beyond which it is not tried: some fifteen seconds on two cores.
+/// Cells of a lattice, and of those the ones that the surface cuts, beyond which it is not tried: some fifteen seconds
+/// on two cores.
 const MOST_CELLS: usize = 4_000_000;
 const MOST_CUT_CELLS: usize = 200_000;
 

@@ -7,7 +7,6 @@ use crate::measurement::{EmbeddingKind, MeasureError, Measured, Measurement};
 use crate::phantoms::{ParsePhantomError, Phantom, Truth};
 use crate::volume::{FieldImage, LabelGroup, LabelImage, LabelSelection, VolumeError};
 use std::path::Path;
-use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 use thiserror::Error;
 
@@ -112,11 +111,7 @@ pub fn measure_input(
         return measure_field(input, measurement, options);
     }
     let source = open_labels(input, options.spacing)?;
-    let total = options.labels.resolve(&source.image)?.len();
-    progress(0, total);
-    let done = AtomicUsize::new(0);
-    let count = |_: &LabelGroup| progress(done.fetch_add(1, Ordering::Relaxed) + 1, total);
-    let results = measurement.run_labels(&source.image, &options.labels, count)?;
+    let results = measurement.run_labels(&source.image, &options.labels, progress)?;
     let record = |(label, mut measured): (LabelGroup, Measured)| {
         measured.read_seconds = Some(source.read_seconds);
         measured.truth = source.truth;

@@ -41,6 +41,15 @@ pub struct Record {
     pub measured: Measured,
 }
 
+/// An input that could not be measured.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct Failure {
+    /// The input as named.
+    pub input: String,
+    /// Cause and cure.
+    pub error: String,
+}
+
 impl Failure {
     /// The failure of an input. A message that begins with the input's name does not get it twice.
     pub fn new(input: &str, error: &impl std::fmt::Display) -> Self {
@@ -54,13 +63,4 @@ impl std::fmt::Display for Failure {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(f, "{}: {}", self.input, self.error)
     }
-}
-
-/// An input that could not be measured.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
-pub struct Failure {
-    /// The input as named.
-    pub input: String,
-    /// Cause and cure.
-    pub error: String,
 }

@@ -1,6 +1,7 @@
 //! Shapes, poses and comparisons that several tests use.
 #![allow(dead_code, missing_docs, unreachable_pub)]
 
+use std::path::PathBuf;
 use surfometry::Measurement;
 use surfometry::measurement::Measured;
 use surfometry::phantoms::{Phantom, Pose, Shape, Truth};
@@ -20,6 +21,11 @@ pub const SPACINGS: [[f64; 3]; 5] =
 
 pub fn phantom(shape: impl Shape + 'static, pose: Pose, spacing: [f64; 3]) -> Phantom {
     Phantom::new(shape, pose, spacing).expect("a valid phantom")
+}
+
+/// A file of the shared data set; tests that need it are ignored where it is absent.
+pub fn shared(name: &str) -> PathBuf {
+    PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/data/real")).join(name)
 }
 
 /// Measures a phantom's voxels.
