@@ -11,6 +11,7 @@ pub mod measurement;
 pub mod phantoms;
 #[cfg(feature = "io")]
 pub mod runs;
+pub mod surface;
 pub mod tiling;
 pub mod topology;
 pub mod volume;

@@ -1,0 +1,119 @@
+//! Triangle meshes.
+
+use std::collections::HashMap;
+
+/// A triangle mesh with shared vertices, in world coordinates (RAS, mm), its triangles wound so that their normals
+/// point outward, also where the image's affine mirrors.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Mesh {
+    /// Positions, mm.
+    pub vertices: Vec<[f64; 3]>,
+    /// Vertex numbers, counter-clockwise as seen from outside.
+    pub triangles: Vec<[u32; 3]>,
+}
+
+impl Mesh {
+    /// Corners of a triangle.
+    pub fn corners(&self, triangle: [u32; 3]) -> [[f64; 3]; 3] {
+        triangle.map(|v| self.vertices[v as usize])
+    }
+
+    /// Sum of the triangles' areas, mm^2.
+    pub fn area(&self) -> f64 {
+        self.triangles.iter().map(|&t| triangle_area(self.corners(t))).sum()
+    }
+
+    /// Enclosed volume, mm^3: the sum of signed tetrahedra over the triangles (the divergence theorem). Meaningful for
+    /// a closed mesh only.
+    pub fn volume(&self) -> f64 {
+        // From a vertex, not from the world's origin, which may lie far away.
+        let Some(&origin) = self.vertices.first() else { return 0.0 };
+        self.triangles.iter().map(|&t| tetrahedron_volume(self.corners(t).map(|c| minus(c, origin)))).sum()
+    }
+
+    /// V - E + F. Of the closed surface: ball 2, torus 0.
+    pub fn euler_characteristic(&self) -> i64 {
+        let edges = self.edge_uses().len();
+        self.vertices.len() as i64 - edges as i64 + self.triangles.len() as i64
+    }
+
+    /// Whether every edge belongs to two triangles that pass through it in opposite directions: closed, without
+    /// branches and consistently oriented.
+    pub fn is_closed(&self) -> bool {
+        self.edge_uses().values().all(|&[forward, backward]| (forward, backward) == (1, 1))
+    }
+
+    /// How often each edge, named by its vertices in ascending order, is passed upward and downward.
+    fn edge_uses(&self) -> HashMap<(u32, u32), [u32; 2]> {
+        let mut uses = HashMap::new();
+        for &[a, b, c] in &self.triangles {
+            for (from, to) in [(a, b), (b, c), (c, a)] {
+                let counts: &mut [u32; 2] = uses.entry((from.min(to), from.max(to))).or_default();
+                counts[usize::from(from > to)] += 1;
+            }
+        }
+        uses
+    }
+
+    /// A third of the area of the triangles around each vertex, mm^2: weights that sum to the mesh's area.
+    pub fn vertex_areas(&self) -> Vec<f64> {
+        let mut areas = vec![0.0; self.vertices.len()];
+        for &triangle in &self.triangles {
+            let third = triangle_area(self.corners(triangle)) / 3.0;
+            for v in triangle {
+                areas[v as usize] += third;
+            }
+        }
+        areas
+    }
+}
+
+/// Area of a triangle.
+pub(crate) fn triangle_area([a, b, c]: [[f64; 3]; 3]) -> f64 {
+    0.5 * length(cross(minus(b, a), minus(c, a)))
+}
+
+/// Signed volume of the tetrahedron between a triangle and the origin, positive where the triangle faces away from it.
+pub(crate) fn tetrahedron_volume([a, b, c]: [[f64; 3]; 3]) -> f64 {
+    dot(a, cross(b, c)) / 6.0
+}
+
+pub(crate) fn minus(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    std::array::from_fn(|i| a[i] - b[i])
+}
+
+pub(crate) fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+pub(crate) fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
+pub(crate) fn length(a: [f64; 3]) -> f64 {
+    libm::sqrt(dot(a, a))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_tetrahedron_far_from_the_origin() {
+        let at = |x: f64, y: f64, z: f64| [1e4 + x, y, z];
+        let mesh = Mesh {
+            vertices: vec![at(0.0, 0.0, 0.0), at(1.0, 0.0, 0.0), at(0.0, 1.0, 0.0), at(0.0, 0.0, 1.0)],
+            triangles: vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]],
+        };
+        assert!((mesh.volume() - 1.0 / 6.0).abs() < 1e-12);
+        assert!((mesh.area() - 1.5 - 0.75f64.sqrt()).abs() < 1e-12);
+        assert!((mesh.vertex_areas().iter().sum::<f64>() - mesh.area()).abs() < 1e-12);
+        assert_eq!(mesh.euler_characteristic(), 2);
+        assert!(mesh.is_closed());
+        let open = Mesh { triangles: mesh.triangles[1..].to_vec(), ..mesh.clone() };
+        assert!(!open.is_closed());
+        assert_eq!(open.euler_characteristic(), 1);
+        let turned = Mesh { triangles: vec![[0, 1, 2], [0, 1, 3], [0, 3, 2], [1, 2, 3]], ..mesh };
+        assert!(!turned.is_closed());
+    }
+}

@@ -1,0 +1,7 @@
+//! The surface phi = 0 as a mesh, and what is known at its vertices.
+
+mod mesh;
+mod vertex_array;
+
+pub use mesh::Mesh;
+pub use vertex_array::{VertexArray, VertexValues};
