@@ -1,7 +1,13 @@
 //! The surface phi = 0 as a mesh, and what is known at its vertices.
 
+mod cell;
+mod cell_interior;
+mod isosurface;
 mod mesh;
+mod tile_mesh;
+mod triangulation;
 mod vertex_array;
 
+pub use isosurface::{SurfaceSummary, extract};
 pub use mesh::Mesh;
 pub use vertex_array::{VertexArray, VertexValues};

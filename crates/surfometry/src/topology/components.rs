@@ -1,5 +1,6 @@
 //! Connected components of a mask and of its background, by runs.
 
+use super::DisjointSets;
 use crate::volume::Mask;
 
 /// What is counted and when two voxels are neighbours.
@@ -81,37 +82,6 @@ fn join_touching(
             sets.join(first + i, other_first + j);
         }
         if runs[i].1 < other[j].1 { i += 1 } else { j += 1 }
-    }
-}
-
-/// Union-find with path halving.
-#[derive(Default)]
-struct DisjointSets {
-    parent: Vec<usize>,
-}
-
-impl DisjointSets {
-    fn add(&mut self, count: usize) -> usize {
-        let first = self.parent.len();
-        self.parent.extend(first..first + count);
-        first
-    }
-
-    fn root(&mut self, mut i: usize) -> usize {
-        while self.parent[i] != i {
-            self.parent[i] = self.parent[self.parent[i]];
-            i = self.parent[i];
-        }
-        i
-    }
-
-    fn join(&mut self, a: usize, b: usize) {
-        let (a, b) = (self.root(a), self.root(b));
-        self.parent[a.max(b)] = a.min(b);
-    }
-
-    fn count(&self) -> u64 {
-        self.parent.iter().enumerate().filter(|(i, parent)| i == *parent).count() as u64
     }
 }
 

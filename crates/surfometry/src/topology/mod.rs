@@ -2,9 +2,11 @@
 
 mod components;
 mod configurations;
+mod disjoint_sets;
 
 pub use components::{Connectivity, count_components};
 pub use configurations::ConfigurationHistogram;
+pub(crate) use disjoint_sets::DisjointSets;
 
 use crate::volume::Mask;
 

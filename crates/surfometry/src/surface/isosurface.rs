@@ -1,0 +1,159 @@
+//! The whole surface from its tiles.
+
+use super::mesh::{Mesh, minus, tetrahedron_volume, triangle_area};
+use super::tile_mesh::{EdgeKey, TileMesh};
+use crate::embedding::Embedding;
+use crate::tiling::{Block, ExactSum, IndexBox, TILE_EDGE};
+use crate::volume::Grid;
+use rayon::prelude::*;
+use std::collections::HashMap;
+
+/// Extracts phi = 0 as a mesh in world coordinates.
+///
+/// Tiles are extracted in parallel and joined in their order, so the mesh is the same for any number of threads. It is
+/// a closed manifold, except where a given field ends.
+pub fn extract<E: Embedding>(embedding: &E, grid: &Grid) -> Mesh {
+    let tiles = SurfaceTiles::of(embedding);
+    let parts: Vec<TileMesh> = tiles.boxes.par_iter().map(|tile| tiles.mesh(tile)).collect();
+    stitched(parts, grid)
+}
+
+/// The tiles that a surface can be in.
+pub(crate) struct SurfaceTiles<'a, E> {
+    embedding: &'a E,
+    limits: IndexBox,
+    pub(crate) boxes: Vec<IndexBox>,
+}
+
+impl<'a, E: Embedding> SurfaceTiles<'a, E> {
+    pub(crate) fn of(embedding: &'a E) -> Self {
+        // One voxel around the support is outside, which closes the surface.
+        let limits = embedding.available(&embedding.support(0.0).grown([1; 3]));
+        Self { embedding, limits, boxes: limits.tiles(TILE_EDGE) }
+    }
+
+    /// The surface in one tile; empty where the field is known to have one sign.
+    pub(crate) fn mesh(&self, tile: &IndexBox) -> TileMesh {
+        let region = IndexBox::new(tile.lower, tile.upper.map(|u| u + 1)).intersection(&self.limits);
+        if self.embedding.constant_on(&region, 0.0).is_some() {
+            return TileMesh::default();
+        }
+        let field: Block<E::Value> = self.embedding.evaluate(&region, 0.0);
+        TileMesh::of(&field, tile, &self.limits)
+    }
+}
+
+/// Joins tiles by the names of the vertices that they share.
+pub(crate) fn stitched(parts: Vec<TileMesh>, grid: &Grid) -> Mesh {
+    let mut mesh = Mesh::default();
+    let mut lent: HashMap<EdgeKey, u32> = HashMap::new();
+    // By tile, the numbers of its vertices in the whole; those of borrowed ones are filled in afterwards.
+    let mut numbers: Vec<Vec<u32>> = Vec::with_capacity(parts.len());
+    for part in &parts {
+        let mut borrowed = part.borrowed.iter().map(|(vertex, _)| *vertex as usize).peekable();
+        let mut own = Vec::with_capacity(part.positions.len());
+        for (vertex, position) in part.positions.iter().enumerate() {
+            own.push(u32::try_from(mesh.vertices.len()).expect("fewer than 2^32 vertices"));
+            if borrowed.next_if_eq(&vertex).is_none() {
+                mesh.vertices.push(grid.affine().apply(*position));
+            }
+        }
+        lent.extend(part.lent.iter().map(|(vertex, key)| (*key, own[*vertex as usize])));
+        numbers.push(own);
+    }
+    // Where the image mirrors, what turns counter-clockwise in index space turns clockwise in the world.
+    let mirrored = grid.affine().determinant() < 0.0;
+    for (part, mut numbers) in parts.into_iter().zip(numbers) {
+        for (vertex, key) in &part.borrowed {
+            numbers[*vertex as usize] = lent[key];
+        }
+        mesh.triangles.extend(part.triangles.iter().map(|triangle| {
+            let [a, b, c] = triangle.map(|v| numbers[v as usize]);
+            if mirrored { [a, c, b] } else { [a, b, c] }
+        }));
+    }
+    mesh
+}
+
+/// What is known of a surface without keeping it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SurfaceSummary {
+    /// Vertices, V.
+    pub vertices: u64,
+    /// Triangles, F.
+    pub triangles: u64,
+    /// Edges, E.
+    pub edges: u64,
+    /// Sum of the triangles' areas, mm^2.
+    pub area: f64,
+    /// Enclosed volume, mm^3; `None` where the surface is open at the edge of a given field.
+    pub volume: Option<f64>,
+}
+
+impl SurfaceSummary {
+    /// Summarises phi = 0 tile by tile, in the memory of one tile a thread.
+    pub fn of<E: Embedding>(embedding: &E, grid: &Grid) -> Self {
+        let tiles = SurfaceTiles::of(embedding);
+        let spacing = grid.spacing().mm();
+        let start = tiles.boxes.first().map_or([0.0; 3], |tile| tile.lower.map(|l| l as f64));
+        let part = |tile: &IndexBox| Sums::of_tile(&tiles.mesh(tile), spacing, start);
+        let sums = tiles.boxes.par_iter().map(part).reduce(Sums::default, |a, b| a.merged(&b));
+        let open = sums.border_edges > 0;
+        Self {
+            vertices: sums.vertices,
+            triangles: sums.triangles,
+            // Every edge has two triangles, except on the border.
+            edges: u64::midpoint(3 * sums.triangles, sums.border_edges),
+            area: sums.area.value(),
+            volume: (!open).then(|| sums.volume.value()),
+        }
+    }
+
+    /// V - E + F. Of a closed surface: ball 2, torus 0.
+    pub fn euler_characteristic(&self) -> i64 {
+        self.vertices as i64 - self.edges as i64 + self.triangles as i64
+    }
+}
+
+#[derive(Debug, Default)]
+struct Sums {
+    vertices: u64,
+    triangles: u64,
+    border_edges: u64,
+    area: ExactSum,
+    volume: ExactSum,
+}
+
+impl Sums {
+    /// Volume as seen from `start`, in voxels.
+    fn of_tile(mesh: &TileMesh, spacing: [f64; 3], start: [f64; 3]) -> Self {
+        let mut sums = Self {
+            vertices: (mesh.positions.len() - mesh.borrowed.len()) as u64,
+            triangles: mesh.triangles.len() as u64,
+            border_edges: mesh.border_edges,
+            ..Self::default()
+        };
+        let position = |vertex: u32| {
+            let offset = minus(mesh.positions[vertex as usize], start);
+            std::array::from_fn(|a| offset[a] * spacing[a])
+        };
+        let (mut area, mut volume) = (0.0, 0.0);
+        for triangle in &mesh.triangles {
+            let corners = triangle.map(position);
+            area += triangle_area(corners);
+            volume += tetrahedron_volume(corners);
+        }
+        sums.area.add(area);
+        sums.volume.add(volume);
+        sums
+    }
+
+    fn merged(mut self, other: &Self) -> Self {
+        self.vertices += other.vertices;
+        self.triangles += other.triangles;
+        self.border_edges += other.border_edges;
+        self.area.merge(&other.area);
+        self.volume.merge(&other.volume);
+        self
+    }
+}
