@@ -185,10 +185,11 @@ fn zeros_at_voxels_leave_a_manifold() {
         let mesh = extract(&&field, field.grid());
         assert!(mesh.is_closed());
         let spacing = field.grid().spacing().mm();
-        let on_edge = |v: &&[f64; 3]| (0..3).filter(|&a| (v[a] / spacing[a]).fract() != 0.0).count() <= 1;
+        let off_grid = |i: f64| (i - i.round()).abs() > 1e-9;
+        let on_edge = |v: &&[f64; 3]| (0..3).filter(|&a| off_grid(v[a] / spacing[a])).count() <= 1;
         let on_edges: Vec<_> = mesh.vertices.iter().filter(on_edge).map(|v| v.map(f64::to_bits)).collect();
         let different: std::collections::HashSet<_> = on_edges.iter().collect();
-        assert!(on_edges.len() > 50);
+        assert!(2 * on_edges.len() > mesh.vertices.len());
         assert_eq!(different.len(), on_edges.len());
     }
 }

@@ -40,7 +40,10 @@ pub(crate) fn tunnels(configuration: u8, values: &[f64; 8], loops: &[Vec<u8>]) -
                     && on_faces[a[far]] != on_faces[b[far]]
                     && inside[a[far]] == inside[b[far]]
             };
-            if bridge(0, 1) || bridge(1, 0) {
+            // Of a trilinear interpolant a cell has one tube at most; ties (a saddle at exactly 0) could seem to give a loop
+            // two of them.
+            let free = !pairs.iter().any(|pair: &[usize; 2]| pair.contains(&first) || pair.contains(&second));
+            if free && (bridge(0, 1) || bridge(1, 0)) {
                 pairs.push([first, second]);
             }
         }

@@ -26,6 +26,9 @@ pub(crate) struct TileMesh {
 /// would otherwise coincide, and files in single precision merge what coincides.
 const NEAREST: f64 = 1e-3;
 
+/// Stands for a value of exactly 0, which counts as outside. Its square is still a number.
+const OUTSIDE: f64 = 1e-150;
+
 impl TileMesh {
     /// Marching cubes over a tile, from the field on the tile and one voxel beyond its upper ends (less where the field
     /// itself, known on `limits`, ends).
@@ -191,7 +194,8 @@ impl<T: Copy + Into<f64>> Cell<'_, '_, T> {
         let [x, y, z] = self.index();
         std::array::from_fn(|corner| {
             let [i, j, k] = [0, 1, 2].map(|a| (corner >> a & 1) as i64);
-            self.builder.field.get([x + i, y + j, z + k]).into()
+            let value = self.builder.field.get([x + i, y + j, z + k]).into();
+            if value == 0.0 { OUTSIDE } else { value }
         })
     }
 
