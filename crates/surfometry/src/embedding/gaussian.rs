@@ -1,5 +1,6 @@
 //! The paper's embedding: the blurred indicator.
 
+use super::point_kernel::{PointDerivatives, PointKernel};
 use super::{Embedding, Separable};
 use crate::tiling::{Block, IndexBox};
 use crate::volume::Mask;
@@ -14,13 +15,15 @@ pub struct GaussianEmbedding<'a> {
     sigma: f64,
     level: f64,
     convolution: Separable,
+    at_points: PointKernel,
 }
 
 impl<'a> GaussianEmbedding<'a> {
     /// The embedding of a mask with sigma in mm and level T; kernels are cut at `truncation` sigma.
     pub fn new(mask: &'a Mask, sigma: f64, level: f64, truncation: f64) -> Self {
-        let convolution = Separable::new(sigma, mask.grid().spacing().mm(), truncation);
-        Self { mask, sigma, level, convolution }
+        let spacing = mask.grid().spacing().mm();
+        let convolution = Separable::new(sigma, spacing, truncation);
+        Self { mask, sigma, level, convolution, at_points: PointKernel::new(sigma, spacing, truncation) }
     }
 
     /// The object.
@@ -31,6 +34,16 @@ impl<'a> GaussianEmbedding<'a> {
     /// Standard deviation of the blur, mm.
     pub fn sigma(&self) -> f64 {
         self.sigma
+    }
+
+    /// The level T.
+    pub(crate) fn level(&self) -> f64 {
+        self.level
+    }
+
+    /// The blurred indicator and its derivatives at a fractional voxel index.
+    pub(crate) fn convolve_at(&self, point: [f64; 3]) -> PointDerivatives {
+        self.at_points.convolve(self.mask, point)
     }
 
     pub(crate) fn convolution(&self) -> &Separable {

@@ -105,15 +105,26 @@ pub(crate) struct CumulativeKernel {
 
 impl CumulativeKernel {
     pub(crate) fn new(kernel: &GaussianKernel, order: usize) -> Self {
-        let mut sums = vec![0.0];
-        for tap in kernel.taps() {
+        Self::of_taps(kernel.taps(), order)
+    }
+
+    /// Of an odd number of taps of a derivative order.
+    pub(crate) fn of_taps(taps: &[f64], order: usize) -> Self {
+        let mut sums = Vec::with_capacity(taps.len() + 1);
+        sums.push(0.0);
+        for tap in taps {
             sums.push(sums[sums.len() - 1] + tap);
         }
         // The full sum is known: exact saturation makes a row's value independent of runs out of reach.
         let total = if order == 0 { 1.0 } else { 0.0 };
         sums.pop();
         sums.push(total);
-        Self { radius: kernel.radius() as i64, sums }
+        Self { radius: taps.len() as i64 / 2, sums }
+    }
+
+    /// Sum of the taps from number `a` up to, not including, number `b`.
+    pub(crate) fn between(&self, a: i64, b: i64) -> f64 {
+        self.sums[b as usize] - self.sums[a as usize]
     }
 
     /// Adds to `row`, whose first voxel is `x0`, the convolution of a run of ones [a, b).

@@ -4,6 +4,7 @@ mod distance;
 mod gaussian;
 mod given;
 mod kernel;
+mod point_kernel;
 mod separable;
 
 pub use distance::DistanceEmbedding;

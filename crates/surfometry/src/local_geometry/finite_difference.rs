@@ -1,5 +1,6 @@
 //! The paper's derivatives: fourth-order differences of the embedding.
 
+use super::interpolation::interpolated_jet;
 use super::stencil::Stencil;
 use super::{BandVoxel, Differentiation, Jet, TileSample, band_indices};
 use crate::embedding::Embedding;
@@ -23,6 +24,11 @@ impl<E: Embedding> FiniteDifferences<E> {
     /// Differences of an embedding on a grid of the given spacing in mm.
     pub fn new(embedding: E, spacing: [f64; 3]) -> Self {
         Self { embedding, spacing }
+    }
+
+    /// The field that is differentiated.
+    pub fn embedding(&self) -> &E {
+        &self.embedding
     }
 
     fn jet(&self, phi: &Block<E::Value>, index: [i64; 3]) -> Jet {
@@ -108,5 +114,18 @@ impl<E: Embedding> Differentiation for FiniteDifferences<E> {
             .map(|index| BandVoxel { index, jet: self.jet(&values, index) })
             .collect();
         TileSample::Varying { phi, band }
+    }
+
+    /// Differentiates the polynomial through the 6 x 6 x 6 voxels around each point: second derivatives are of fourth
+    /// order there, as on the grid.
+    fn jets_at(&self, points: &[[f64; 3]]) -> Vec<Jet> {
+        let voxel = |p: &[f64; 3]| IndexBox::voxel(p.map(|v| v.floor() as i64));
+        let hull = points.iter().fold(IndexBox::EMPTY, |hull, p| hull.hull(&voxel(p)));
+        if hull.is_empty() {
+            return Vec::new();
+        }
+        let region = self.embedding.available(&hull.grown(REACH));
+        let values = self.embedding.evaluate(&region, 0.0);
+        points.iter().map(|&p| interpolated_jet(&values, p, self.spacing)).collect()
     }
 }

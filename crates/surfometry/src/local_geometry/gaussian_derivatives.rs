@@ -24,6 +24,11 @@ impl<'a> GaussianDerivatives<'a> {
         Self { embedding }
     }
 
+    /// The field that is differentiated.
+    pub fn embedding(&self) -> &GaussianEmbedding<'a> {
+        &self.embedding
+    }
+
     /// Derivatives at the band's voxels, the hull of which is all that is convolved.
     fn band(&self, phi: &Block<f64>, indices: &[[i64; 3]]) -> Vec<BandVoxel> {
         // Units of the gradient's three and the Hessian's six derivatives.
@@ -67,5 +72,18 @@ impl Differentiation for GaussianDerivatives<'_> {
         let indices = band_indices(&phi, half_width);
         let band = self.band(&phi, &indices);
         TileSample::Varying { phi, band }
+    }
+
+    /// Convolved with kernels that are centred at each point.
+    fn jets_at(&self, points: &[[f64; 3]]) -> Vec<Jet> {
+        let jet = |point: &[f64; 3]| {
+            let [value, rest @ ..] = self.embedding.convolve_at(*point);
+            Jet {
+                value: self.embedding.level() - value,
+                gradient: std::array::from_fn(|n| -rest[n]),
+                hessian: std::array::from_fn(|n| -rest[n + 3]),
+            }
+        };
+        points.iter().map(jet).collect()
     }
 }

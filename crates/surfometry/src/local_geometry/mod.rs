@@ -3,6 +3,7 @@
 mod curvature;
 mod finite_difference;
 mod gaussian_derivatives;
+mod interpolation;
 mod jet;
 mod stencil;
 
@@ -21,6 +22,10 @@ pub trait Differentiation: Sync {
 
     /// The field on a tile, and its first and second derivatives wherever |phi| <= `half_width`.
     fn sample(&self, tile: &IndexBox, half_width: f64) -> TileSample;
+
+    /// The field and its derivatives, taken there, at points off the grid: fractional voxel indices, near each other.
+    /// Derivatives are along the image's axes, in mm.
+    fn jets_at(&self, points: &[[f64; 3]]) -> Vec<Jet>;
 }
 
 /// What the integrals need of one tile.

@@ -7,7 +7,9 @@ mod mesh;
 mod tile_mesh;
 mod triangulation;
 mod vertex_array;
+mod vertex_geometry;
 
 pub use isosurface::{SurfaceSummary, extract};
 pub use mesh::Mesh;
 pub use vertex_array::{VertexArray, VertexValues};
+pub use vertex_geometry::VertexGeometry;

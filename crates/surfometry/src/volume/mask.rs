@@ -106,6 +106,18 @@ impl Mask {
         Runs { words: self.row(y, z), position: 0, offset: self.bounds.lower[0] }
     }
 
+    /// The same where they overlap x in [from, to), cut off there.
+    pub(crate) fn runs_within(
+        &self,
+        y: i64,
+        z: i64,
+        (from, to): (i64, i64),
+    ) -> impl Iterator<Item = (i64, i64)> + '_ {
+        let offset = self.bounds.lower[0];
+        let runs = Runs { words: self.row(y, z), position: (from - offset).max(0) as usize, offset };
+        runs.take_while(move |run| run.0 < to).map(move |(a, b)| (a, b.min(to)))
+    }
+
     /// `Some(value)` where every voxel of a box has that value.
     pub(crate) fn uniform_in(&self, region: &IndexBox) -> Option<bool> {
         let inner = region.intersection(&self.bounds);
@@ -188,6 +200,11 @@ mod tests {
             (a..b).for_each(|x| seen[x as usize] = true);
         }
         assert_eq!(seen, (0..200).map(wanted).collect::<Vec<_>>());
+        for (from, to) in [(-9, 3), (61, 66), (2, 140), (185, 260), (230, 240)] {
+            let within = mask.runs_within(0, 0, (from, to)).flat_map(|(a, b)| a..b);
+            let expected = (from.max(0)..to.min(200)).filter(|&x| wanted(x as usize));
+            assert_eq!(within.collect::<Vec<_>>(), expected.collect::<Vec<_>>());
+        }
         assert_eq!(mask.voxels() as usize, seen.iter().filter(|&&v| v).count());
     }
 

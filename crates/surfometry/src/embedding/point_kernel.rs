@@ -1,0 +1,122 @@
+//! The blurred indicator and its derivatives at a point off the grid.
+
+use super::kernel::{CumulativeKernel, GaussianKernel};
+use crate::volume::Mask;
+
+/// Taps of orders 0 to 2 around a fractional position on one axis.
+struct AxisTaps {
+    /// Voxel of the first tap.
+    first: i64,
+    orders: [Vec<f64>; 3],
+}
+
+/// What does not depend on the position: the Gaussian at whole steps from it, and its moments before the cut.
+#[derive(Debug)]
+struct AxisBell {
+    spacing: f64,
+    sigma: f64,
+    bell: Vec<f64>,
+    variance: f64,
+    /// 2 / (fourth moment - variance^2).
+    bend: f64,
+}
+
+impl AxisBell {
+    fn new(sigma: f64, spacing: f64, truncation: f64) -> Self {
+        let radius = GaussianKernel::radius_for(sigma, spacing, truncation);
+        let gauss = |d: i64| libm::exp(-0.5 * (d as f64 * spacing / sigma).powi(2));
+        let whole: Vec<(f64, f64)> = {
+            let reach = GaussianKernel::radius_for(sigma, spacing, 9.0);
+            (-reach..=reach).map(|d| ((d as f64 * spacing).powi(2), gauss(d))).collect()
+        };
+        let sum: f64 = whole.iter().map(|w| w.1).sum();
+        let variance = whole.iter().map(|w| w.0 * w.1).sum::<f64>() / sum;
+        let fourth = whole.iter().map(|w| w.0 * w.0 * w.1).sum::<f64>() / sum;
+        let bell = (-radius..=radius).map(gauss).collect();
+        Self { spacing, sigma, bell, variance, bend: 2.0 / (fourth - variance * variance) }
+    }
+
+    /// Normalised as the kernels of the grid are ([`GaussianKernel`]), and equal to them at a voxel.
+    fn taps_at(&self, position: f64) -> AxisTaps {
+        let centre = position.round();
+        let offset = position - centre;
+        let radius = self.bell.len() as i64 / 2;
+        // exp(-(d - f)^2 h^2 / 2 sigma^2) = bell(d) q^d up to a factor that normalising takes off.
+        let q = libm::exp(offset * (self.spacing / self.sigma).powi(2));
+        let mut growth = libm::pow(q, -radius as f64);
+        let mut taps = Vec::with_capacity(self.bell.len());
+        for (d, bell) in (-radius..=radius).zip(&self.bell) {
+            taps.push(((d as f64 - offset) * self.spacing, bell * growth));
+            growth *= q;
+        }
+        let sum: f64 = taps.iter().map(|t| t.1).sum();
+        for tap in &mut taps {
+            tap.1 /= sum;
+        }
+        let mean: f64 = taps.iter().map(|(u, g)| u * g).sum();
+        let square: f64 = taps.iter().map(|(u, g)| u * u * g).sum();
+        let order = |weight: &dyn Fn(f64) -> f64| taps.iter().map(|&(u, g)| weight(u) * g).collect();
+        AxisTaps {
+            first: centre as i64 - radius,
+            orders: [
+                order(&|_| 1.0),
+                order(&|u| (u - mean) / self.variance),
+                order(&|u| (u * u - square) * self.bend),
+            ],
+        }
+    }
+}
+
+/// Convolves a mask with the products of Gaussian derivatives, centred at any point.
+#[derive(Debug)]
+pub(crate) struct PointKernel {
+    axes: [AxisBell; 3],
+}
+
+/// Value, then the derivatives x, y, z, xx, yy, zz, xy, xz, yz.
+pub(crate) type PointDerivatives = [f64; 10];
+
+impl PointKernel {
+    pub(crate) fn new(sigma: f64, spacing: [f64; 3], truncation: f64) -> Self {
+        Self { axes: spacing.map(|h| AxisBell::new(sigma, h, truncation)) }
+    }
+
+    /// The blurred indicator and its derivatives, in mm, at a fractional voxel index.
+    pub(crate) fn convolve(&self, mask: &Mask, point: [f64; 3]) -> PointDerivatives {
+        let [x, y, z]: [AxisTaps; 3] = std::array::from_fn(|a| self.axes[a].taps_at(point[a]));
+        let sums = [0, 1, 2].map(|order| CumulativeKernel::of_taps(&x.orders[order], order));
+        let end = x.first + x.orders[0].len() as i64;
+        let mut total = [0.0; 10];
+        for (row_z, slice) in (z.first..).zip(0..z.orders[0].len()) {
+            // By order along x and y: 00, 10, 20, 01, 11, 02.
+            let mut plane = [0.0; 6];
+            for (row_y, line) in (y.first..).zip(0..y.orders[0].len()) {
+                let mut row = [0.0; 3];
+                for (from, to) in mask.runs_within(row_y, row_z, (x.first, end)) {
+                    for (value, sum) in row.iter_mut().zip(&sums) {
+                        *value += sum.between(from - x.first, to - x.first);
+                    }
+                }
+                let [y0, y1, y2] = [0, 1, 2].map(|order| y.orders[order][line]);
+                let terms = [row[0] * y0, row[1] * y0, row[2] * y0, row[0] * y1, row[1] * y1, row[0] * y2];
+                plane.iter_mut().zip(terms).for_each(|(p, term)| *p += term);
+            }
+            let [z0, z1, z2] = [0, 1, 2].map(|order| z.orders[order][slice]);
+            let [p00, p10, p20, p01, p11, p02] = plane;
+            let terms = [
+                p00 * z0,
+                p10 * z0,
+                p01 * z0,
+                p00 * z1,
+                p20 * z0,
+                p02 * z0,
+                p00 * z2,
+                p11 * z0,
+                p10 * z1,
+                p01 * z1,
+            ];
+            total.iter_mut().zip(terms).for_each(|(t, term)| *t += term);
+        }
+        total
+    }
+}

@@ -1,0 +1,163 @@
+//! The geometry of the level set at a vertex, from the field's derivatives there.
+
+use super::mesh::{cross, dot, length};
+use super::{VertexArray, VertexValues};
+use crate::local_geometry::{Curvature, Jet};
+use crate::volume::Grid;
+use std::f64::consts::FRAC_2_PI;
+
+/// What is known at a vertex; vectors are unit vectors of the world (RAS).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct VertexGeometry {
+    /// grad phi / |grad phi|, outward.
+    pub normal: [f64; 3],
+    /// H and K.
+    pub curvature: Curvature,
+    /// Direction of k1, the larger principal curvature. Its sign has no meaning, and at an umbilic nor has it itself.
+    pub direction_1: [f64; 3],
+    /// Direction of k2.
+    pub direction_2: [f64; 3],
+    /// How far the blur moved the surface here, mm, positive outward: about -sigma^2 H. `None` where that is not defined.
+    pub displacement: Option<f64>,
+}
+
+/// Arrays of numbers that follow from the curvature: name and value.
+type CurvatureArray = (&'static str, fn(&Curvature) -> f64);
+
+const CURVATURE_ARRAYS: [CurvatureArray; 6] = [
+    ("mean_curvature_per_mm", |c| c.mean),
+    ("gaussian_curvature_per_mm2", |c| c.gaussian),
+    ("k1_per_mm", |c| c.principal()[0]),
+    ("k2_per_mm", |c| c.principal()[1]),
+    ("shape_index", Curvature::shape_index),
+    ("curvedness_per_mm", Curvature::curvedness),
+];
+
+type DirectionArray = (&'static str, fn(&VertexGeometry) -> [f64; 3]);
+
+const DIRECTION_ARRAYS: [DirectionArray; 3] =
+    [("normal", |g| g.normal), ("direction_1", |g| g.direction_1), ("direction_2", |g| g.direction_2)];
+
+impl VertexGeometry {
+    /// From the field's derivatives along the image's axes; `None` where the level set has no normal.
+    pub fn of(jet: &Jet, displacement: Option<f64>, grid: &Grid) -> Option<Self> {
+        let curvature = Curvature::of(jet)?;
+        let magnitude = jet.gradient_magnitude();
+        let normal = jet.gradient.map(|g| g / magnitude);
+        let [direction_1, direction_2] = principal_directions(jet, normal);
+        let world = |v| to_world(v, grid);
+        Some(Self {
+            normal: world(normal),
+            curvature,
+            direction_1: world(direction_1),
+            direction_2: world(direction_2),
+            displacement,
+        })
+    }
+
+    /// Named columns of many vertices, as DESIGN.md 4 names them. `displacement_mm` is left out where any lacks it.
+    pub fn arrays(vertices: &[Self]) -> Vec<VertexArray> {
+        let vector = |(name, value): DirectionArray| VertexArray {
+            name,
+            values: VertexValues::Vector(vertices.iter().map(value).collect()),
+        };
+        let scalar = |name, values| VertexArray { name, values: VertexValues::Scalar(values) };
+        let curvature = CURVATURE_ARRAYS
+            .map(|(name, value)| scalar(name, vertices.iter().map(|v| value(&v.curvature)).collect()));
+        let [normal, directions @ ..] = DIRECTION_ARRAYS.map(vector);
+        let displacement: Option<Vec<f64>> = vertices.iter().map(|v| v.displacement).collect();
+        let last = displacement.map(|values| scalar("displacement_mm", values));
+        [normal].into_iter().chain(curvature).chain(directions).chain(last).collect()
+    }
+}
+
+/// A vector along the image's axes, in mm, turned into the world; also where the axes are left-handed.
+fn to_world(v: [f64; 3], grid: &Grid) -> [f64; 3] {
+    let (affine, spacing) = (grid.affine(), grid.spacing().mm());
+    std::array::from_fn(|w| (0..3).map(|a| affine.linear[w][a] / spacing[a] * v[a]).sum())
+}
+
+/// Unit eigenvectors of the Hessian in the tangent plane, of the larger eigenvalue first.
+///
+/// There, the Hessian over |grad phi| is the derivative of the normal, whose eigenvalues are k1 and k2. In a basis u, v of
+/// the plane it is a symmetric 2 x 2 matrix, whose axes stand at half the angle of (a - c, 2 b).
+fn principal_directions(jet: &Jet, normal: [f64; 3]) -> [[f64; 3]; 2] {
+    let [xx, yy, zz, xy, xz, yz] = jet.hessian;
+    let hessian = [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]];
+    // The axis that the normal is farthest from gives a basis without cancellation.
+    let farthest = (0..3).fold(0, |best, a| if normal[a].abs() < normal[best].abs() { a } else { best });
+    let mut axis = [0.0; 3];
+    axis[farthest] = 1.0;
+    let u = unit(cross(normal, axis));
+    let v = cross(normal, u);
+    let along = |p: [f64; 3], q: [f64; 3]| dot(p, hessian.map(|row| dot(row, q)));
+    let angle = 0.5 * libm::atan2(2.0 * along(u, v), along(u, u) - along(v, v));
+    let (sin, cos) = libm::sincos(angle);
+    let first: [f64; 3] = std::array::from_fn(|i| cos * u[i] + sin * v[i]);
+    [first, cross(normal, first)]
+}
+
+fn unit(v: [f64; 3]) -> [f64; 3] {
+    let length = length(v);
+    v.map(|c| c / length)
+}
+
+impl Curvature {
+    /// Koenderink and van Doorn's shape index, 2/pi atan((k1 + k2) / (k1 - k2)): 1 on a ball, 0.5 on a cylinder, 0 on a
+    /// symmetric saddle, -0.5 in a groove, -1 in a hollow; 0 on a plane, which has none.
+    pub fn shape_index(&self) -> f64 {
+        let [k1, k2] = self.principal();
+        FRAC_2_PI * libm::atan2(k1 + k2, k1 - k2)
+    }
+
+    /// Koenderink and van Doorn's curvedness, sqrt((k1^2 + k2^2) / 2), 1/mm: 1/R on a ball.
+    pub fn curvedness(&self) -> f64 {
+        let [k1, k2] = self.principal();
+        libm::sqrt(0.5 * (k1 * k1 + k2 * k2))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn curvature(k1: f64, k2: f64) -> Curvature {
+        Curvature { mean: 0.5 * (k1 + k2), gaussian: k1 * k2 }
+    }
+
+    #[test]
+    fn shape_index_and_curvedness_of_known_shapes() {
+        let cases =
+            [(2.0, 2.0, 1.0), (2.0, 0.0, 0.5), (1.0, -1.0, 0.0), (0.0, -3.0, -0.5), (-1.0, -1.0, -1.0)];
+        for (k1, k2, index) in cases {
+            let c = curvature(k1, k2);
+            assert!((c.shape_index() - index).abs() < 1e-7, "{k1} {k2}: {}", c.shape_index());
+            assert!((c.curvedness() - k1.hypot(k2) / 2f64.sqrt()).abs() < 1e-7);
+        }
+        assert_eq!(curvature(0.0, 0.0).shape_index(), 0.0);
+    }
+
+    /// A cylinder of radius 2 about a slanted axis: k1 = 1/2 runs round it, k2 = 0 along it.
+    #[test]
+    fn directions_of_a_slanted_cylinder() {
+        let axis = unit([1.0, 2.0, -0.5]);
+        let point = {
+            let p = [0.3, 0.7, 1.9];
+            let along = dot(p, axis);
+            let radial = unit(std::array::from_fn(|i| p[i] - along * axis[i]));
+            radial.map(|v| 2.0 * v)
+        };
+        // phi = (distance from the axis)^2 / 4 - 1 has the Hessian (1 - a a^T) / 2.
+        let second = |i: usize, j: usize| 0.5 * (f64::from(u8::from(i == j)) - axis[i] * axis[j]);
+        let hessian = [second(0, 0), second(1, 1), second(2, 2), second(0, 1), second(0, 2), second(1, 2)];
+        let jet = Jet { value: 0.0, gradient: point.map(|p| 0.5 * p), hessian };
+        let grid = Grid::axis_aligned([4; 3], [1.0; 3]).unwrap();
+        let geometry = VertexGeometry::of(&jet, None, &grid).unwrap();
+        let [k1, k2] = geometry.curvature.principal();
+        assert!((k1 - 0.5).abs() < 1e-12 && k2.abs() < 1e-12);
+        assert!((dot(geometry.direction_2, axis).abs() - 1.0).abs() < 1e-12);
+        assert!(dot(geometry.direction_1, axis).abs() < 1e-12);
+        assert!(dot(geometry.direction_1, geometry.normal).abs() < 1e-12);
+        assert!((dot(geometry.normal, point) - 2.0).abs() < 1e-12);
+    }
+}
