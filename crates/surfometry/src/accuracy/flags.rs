@@ -1,6 +1,7 @@
 //! Warnings that travel with a result.
 
 use crate::integrals::Integrals;
+use crate::surface::SurfaceSummary;
 use crate::volume::Spacing;
 use serde::Serialize;
 use std::fmt;
@@ -95,6 +96,8 @@ pub struct Evidence {
     pub compensated_volume: Option<f64>,
     /// The plain integrals; `None` where nothing is inside the level set.
     pub plain: Option<Integrals>,
+    /// The surface as a mesh, where there is one.
+    pub mesh: Option<SurfaceSummary>,
 }
 
 /// Largest distance of chi from an even integer that passes.

@@ -4,13 +4,15 @@ use super::Parameters;
 use crate::accuracy::{CompensatedIntegrals, Flag};
 use crate::integrals::Integrals;
 use crate::phantoms::Truth;
+use crate::surface::SurfaceSummary;
 use crate::topology::VoxelTopology;
 use crate::volume::Grid;
 use serde::Serialize;
 use std::f64::consts::TAU;
 
 /// Fields that stay null in this version.
-pub(super) const NOT_COMPUTED: &str = "not computed by this version, hence null: compensated.standard_error, grid_noise, topology.euler_characteristic_mesh";
+pub(super) const NOT_COMPUTED: &str =
+    "not computed by this version, hence null: compensated.standard_error, grid_noise";
 
 /// All results for one object. `None` is a number that could not be had; a flag says why.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -22,6 +24,8 @@ pub struct Measured {
     pub compensated: UncertainValues,
     /// Spread of the plain values over sub-voxel shifts.
     pub grid_noise: PlainValues,
+    /// The surface phi = 0 as a mesh.
+    pub mesh: MeshSummary,
     /// Counted voxels.
     pub voxels: VoxelSummary,
     /// Exact topology.
@@ -129,6 +133,30 @@ impl std::ops::Deref for UncertainValues {
     }
 }
 
+/// The surface phi = 0 as a mesh: a cross-check of the plain integrals that knows no band.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
+pub struct MeshSummary {
+    /// Enclosed volume; `None` where the surface is open.
+    pub volume_mm3: Option<f64>,
+    /// Sum of the triangles' areas.
+    pub surface_area_mm2: Option<f64>,
+    /// Number of vertices.
+    pub vertices: Option<u64>,
+    /// Number of triangles.
+    pub triangles: Option<u64>,
+}
+
+impl MeshSummary {
+    pub(super) fn of(mesh: &SurfaceSummary) -> Self {
+        Self {
+            volume_mm3: mesh.volume,
+            surface_area_mm2: Some(mesh.area),
+            vertices: Some(mesh.vertices),
+            triangles: Some(mesh.triangles),
+        }
+    }
+}
+
 /// What counting voxels gives.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct VoxelSummary {
@@ -160,9 +188,9 @@ pub struct TopologySummary {
 }
 
 impl TopologySummary {
-    pub(super) fn of(topology: &VoxelTopology) -> Self {
+    pub(super) fn of(topology: &VoxelTopology, mesh: Option<&SurfaceSummary>) -> Self {
         Self {
-            euler_characteristic_mesh: None,
+            euler_characteristic_mesh: mesh.map(SurfaceSummary::euler_characteristic),
             euler_characteristic_voxels_26: topology.euler_characteristic_26,
             euler_characteristic_voxels_6: topology.euler_characteristic_6,
             components: topology.components,

@@ -4,6 +4,7 @@ mod cell;
 mod cell_interior;
 mod isosurface;
 mod mesh;
+mod surface_map;
 mod tile_mesh;
 mod triangulation;
 mod vertex_array;
@@ -11,5 +12,6 @@ mod vertex_geometry;
 
 pub use isosurface::{SurfaceSummary, extract};
 pub use mesh::Mesh;
+pub use surface_map::Surface;
 pub use vertex_array::{VertexArray, VertexValues};
 pub use vertex_geometry::VertexGeometry;

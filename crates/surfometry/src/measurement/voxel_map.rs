@@ -1,0 +1,104 @@
+//! Local quantities on the image's own grid.
+
+use super::Object;
+use crate::local_geometry::{BandVoxel, TileSample};
+use crate::tiling::{IndexBox, TILE_EDGE};
+use rayon::prelude::*;
+use std::fmt;
+
+/// What a voxel map shows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum VoxelQuantity {
+    /// H of the level set through a band voxel, 1/mm; 0 outside the band.
+    MeanCurvature,
+    /// K of the level set through a band voxel, 1/mm^2; 0 outside the band.
+    GaussianCurvature,
+    /// Area of surface a volume of voxel, delta(phi) |grad phi|, 1/mm: summed over voxels times their volume it gives
+    /// the surface area, weighted by H the total mean curvature.
+    Delta,
+    /// The embedding.
+    Phi,
+    /// 1 in the band, 0 outside.
+    Band,
+}
+
+impl VoxelQuantity {
+    /// All of them.
+    pub const ALL: [Self; 5] =
+        [Self::MeanCurvature, Self::GaussianCurvature, Self::Delta, Self::Phi, Self::Band];
+
+    /// Name with unit, as arrays of the contract are named.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::MeanCurvature => "mean_curvature_per_mm",
+            Self::GaussianCurvature => "gaussian_curvature_per_mm2",
+            Self::Delta => "delta_per_mm",
+            Self::Phi => "phi",
+            Self::Band => "band",
+        }
+    }
+}
+
+impl fmt::Display for VoxelQuantity {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+impl Object<'_> {
+    /// A quantity at every voxel of the image, x fastest. In parallel over tiles; the same for any number of threads.
+    pub fn voxel_map(&self, quantity: VoxelQuantity) -> Vec<f32> {
+        let [nx, ny, _] = self.grid().dimensions();
+        let mut map = vec![0.0; self.grid().voxel_count()];
+        let Some(field) = self.field() else {
+            if quantity == VoxelQuantity::Phi {
+                map.fill(self.parameters().level.unwrap_or_default() as f32);
+            }
+            return map;
+        };
+        let half_width = self.band.delta().half_width();
+        let tiles = self.grid().index_box().tiles(TILE_EDGE);
+        let values = |tile: &IndexBox| self.tile_values(&field.sample(tile, half_width), quantity);
+        // A row of tiles at a time, so that no second copy of the image is needed.
+        for batch in tiles.chunks(8 * rayon::current_num_threads()) {
+            let parts: Vec<Vec<f32>> = batch.par_iter().map(values).collect();
+            for (tile, part) in batch.iter().zip(parts) {
+                for ((y, z), row) in tile.rows().zip(part.chunks(tile.extent()[0])) {
+                    let start = (z as usize * ny + y as usize) * nx + tile.lower[0] as usize;
+                    map[start..][..row.len()].copy_from_slice(row);
+                }
+            }
+        }
+        map
+    }
+
+    fn tile_values(&self, sample: &TileSample, quantity: VoxelQuantity) -> Vec<f32> {
+        let region = sample.region();
+        match (sample, quantity) {
+            (TileSample::Constant { phi, .. }, VoxelQuantity::Phi) => vec![*phi as f32; region.voxels()],
+            (TileSample::Constant { .. }, _) => vec![0.0; region.voxels()],
+            (TileSample::Varying { phi, .. }, VoxelQuantity::Phi) => {
+                phi.values().iter().map(|&v| v as f32).collect()
+            }
+            (TileSample::Varying { phi, band }, _) => {
+                let mut values = vec![0.0; region.voxels()];
+                for voxel in band {
+                    values[phi.offset(voxel.index)] = self.band_value(voxel, quantity) as f32;
+                }
+                values
+            }
+        }
+    }
+
+    /// Of a voxel of the band; 0 where the gradient has collapsed, as in the integrals.
+    fn band_value(&self, voxel: &BandVoxel, quantity: VoxelQuantity) -> f64 {
+        let Some((density, curvature)) = self.band.element(&voxel.jet) else { return 0.0 };
+        match quantity {
+            VoxelQuantity::MeanCurvature => curvature.mean,
+            VoxelQuantity::GaussianCurvature => curvature.gaussian,
+            VoxelQuantity::Delta => density,
+            VoxelQuantity::Phi => voxel.jet.value,
+            VoxelQuantity::Band => 1.0,
+        }
+    }
+}
