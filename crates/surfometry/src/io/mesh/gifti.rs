@@ -8,7 +8,7 @@ use super::little_endian::{write_f32, write_indices};
 use super::{MeshDocument, invalid, write_whole};
 use base64::{engine::general_purpose::STANDARD, write::EncoderWriter};
 use flate2::{Compression, write::ZlibEncoder};
-use std::io::{self, Write};
+use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
 /// One array of a file.
@@ -114,12 +114,13 @@ fn write_array(out: &mut dyn Write, array: &DataArray<'_>) -> io::Result<()> {
     }
     write!(out, "<Data>")?;
     // Named after gzip, the encoding is zlib's format.
-    let mut encoder = ZlibEncoder::new(EncoderWriter::new(&mut *out, &STANDARD), Compression::new(4));
+    let encoder = ZlibEncoder::new(EncoderWriter::new(&mut *out, &STANDARD), Compression::new(4));
+    let mut buffered = BufWriter::new(encoder);
     match array.values {
-        Values::Float(values) => write_f32(&mut encoder, values)?,
-        Values::Index(triangles) => write_indices(&mut encoder, triangles)?,
+        Values::Float(values) => write_f32(&mut buffered, values)?,
+        Values::Index(triangles) => write_indices(&mut buffered, triangles)?,
     }
-    encoder.finish()?.finish()?;
+    buffered.into_inner()?.finish()?.finish()?;
     writeln!(out, "</Data>\n</DataArray>")
 }
 
@@ -128,7 +129,12 @@ const SCANNER_COORDINATES: &str = "\
 <CoordinateSystemTransformMatrix>
 <DataSpace><![CDATA[NIFTI_XFORM_SCANNER_ANAT]]></DataSpace>
 <TransformedSpace><![CDATA[NIFTI_XFORM_SCANNER_ANAT]]></TransformedSpace>
-<MatrixData>1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1</MatrixData>
+<MatrixData>
+1 0 0 0
+0 1 0 0
+0 0 1 0
+0 0 0 1
+</MatrixData>
 </CoordinateSystemTransformMatrix>
 ";
 
