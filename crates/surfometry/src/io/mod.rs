@@ -1,8 +1,9 @@
-//! Image files: one file a format. A format only reads its header; decoding and slabs are common to all.
+//! Image and mesh files: one file a format. An image format only reads its header; decoding and slabs are common to all.
 
 mod encoding;
 mod error;
 mod header;
+mod mesh;
 mod metaimage;
 mod nifti;
 mod nifti_writer;
@@ -14,6 +15,7 @@ mod whole_file;
 
 pub use error::ReadError;
 pub use header::{Format, ImageHeader};
+pub use mesh::{MeshDocument, MeshFormat, write_mesh};
 pub use nifti_writer::write_labels;
 pub use voxel_stream::VoxelStream;
 pub use whole_file::write_whole;

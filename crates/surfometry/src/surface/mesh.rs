@@ -18,6 +18,14 @@ impl Mesh {
         triangle.map(|v| self.vertices[v as usize])
     }
 
+    /// Unit normal of a triangle, outward; zero where the triangle has no area.
+    pub fn normal(&self, triangle: [u32; 3]) -> [f64; 3] {
+        let [a, b, c] = self.corners(triangle);
+        let normal = cross(minus(b, a), minus(c, a));
+        let length = length(normal);
+        if length > 0.0 { normal.map(|n| n / length) } else { [0.0; 3] }
+    }
+
     /// Sum of the triangles' areas, mm^2.
     pub fn area(&self) -> f64 {
         self.triangles.iter().map(|&t| triangle_area(self.corners(t))).sum()
@@ -107,6 +115,8 @@ mod tests {
         };
         assert!((mesh.volume() - 1.0 / 6.0).abs() < 1e-12);
         assert!((mesh.area() - 1.5 - 0.75f64.sqrt()).abs() < 1e-12);
+        assert_eq!(mesh.normal([0, 2, 1]), [0.0, 0.0, -1.0]);
+        assert_eq!(mesh.normal([0, 1, 1]), [0.0; 3]);
         assert!((mesh.vertex_areas().iter().sum::<f64>() - mesh.area()).abs() < 1e-12);
         assert_eq!(mesh.euler_characteristic(), 2);
         assert!(mesh.is_closed());
