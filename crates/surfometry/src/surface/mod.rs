@@ -2,6 +2,8 @@
 
 mod cell;
 mod cell_interior;
+mod curvature_summary;
+mod distribution;
 mod isosurface;
 mod mesh;
 mod surface_map;
@@ -10,6 +12,8 @@ mod triangulation;
 mod vertex_array;
 mod vertex_geometry;
 
+pub use curvature_summary::CurvatureSummary;
+pub use distribution::{Distribution, Histogram, Moments, QUANTILES};
 pub use isosurface::{SurfaceSummary, extract};
 pub use mesh::Mesh;
 pub use surface_map::Surface;

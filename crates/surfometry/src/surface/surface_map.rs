@@ -2,7 +2,7 @@
 
 use super::isosurface::{SurfaceTiles, stitched};
 use super::tile_mesh::TileMesh;
-use super::{Mesh, VertexArray, VertexGeometry};
+use super::{CurvatureSummary, Distribution, Mesh, VertexArray, VertexGeometry, VertexValues};
 use crate::embedding::Embedding;
 use crate::local_geometry::{Curvature, Differentiation, Jet};
 use crate::tiling::IndexBox;
@@ -55,6 +55,21 @@ impl Surface {
     /// The vertices' geometry as named columns.
     pub fn arrays(&self) -> Vec<VertexArray> {
         VertexGeometry::arrays(&self.vertices)
+    }
+
+    /// Distributions of all numbers at the vertices, by area and by vertex.
+    pub fn distributions(&self) -> Vec<Distribution> {
+        let areas = self.mesh.vertex_areas();
+        let of = |array: &VertexArray| match &array.values {
+            VertexValues::Scalar(values) => Distribution::of(array.name, values, &areas),
+            VertexValues::Vector(_) => None,
+        };
+        self.arrays().iter().filter_map(of).collect()
+    }
+
+    /// The surface's curvature in a few numbers; `None` where there is no surface.
+    pub fn curvature_summary(&self) -> Option<CurvatureSummary> {
+        CurvatureSummary::of(&self.vertices, &self.mesh.vertex_areas())
     }
 }
 
