@@ -16,7 +16,7 @@ mod whole_file;
 pub use error::ReadError;
 pub use header::{Format, ImageHeader};
 pub use mesh::{MeshDocument, MeshFormat, write_mesh};
-pub use nifti_writer::write_labels;
+pub use nifti_writer::{write_labels, write_voxel_map};
 pub use voxel_stream::VoxelStream;
 pub use whole_file::write_whole;
 

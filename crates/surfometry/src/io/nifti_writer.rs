@@ -1,4 +1,4 @@
-//! Writes label images as NIfTI-1, or NIfTI-2 where an axis is too long for it.
+//! Writes label images and voxel maps as NIfTI-1, or NIfTI-2 where an axis is too long for it.
 
 use super::write_whole;
 use crate::volume::{Affine, Grid, LabelImage};
@@ -12,17 +12,42 @@ use std::path::Path;
 /// # Errors
 /// Whatever the file system says.
 pub fn write_labels(path: impl AsRef<Path>, image: &LabelImage) -> io::Result<()> {
-    let compressed = path.as_ref().to_string_lossy().to_lowercase().ends_with(".gz");
+    write_nifti(path.as_ref(), |out| write_image(out, image))
+}
+
+/// Writes one number a voxel, x fastest, in single precision, with its name in the header's description.
+///
+/// # Errors
+/// [`io::ErrorKind::InvalidInput`] where the number of values is not the grid's; whatever the file system says.
+pub fn write_voxel_map(path: impl AsRef<Path>, grid: &Grid, values: &[f32], name: &str) -> io::Result<()> {
+    if values.len() != grid.voxel_count() {
+        let message = format!("{} values for {} voxels", values.len(), grid.voxel_count());
+        return Err(io::Error::new(io::ErrorKind::InvalidInput, message));
+    }
+    write_nifti(path.as_ref(), |out| {
+        out.write_all(&header(grid, FLOAT32, 4, name))?;
+        // A piece at a time: a map is as large as its image.
+        values.chunks(1 << 16).try_for_each(|piece| {
+            out.write_all(&piece.iter().flat_map(|v| v.to_le_bytes()).collect::<Vec<u8>>())
+        })
+    })
+}
+
+fn write_nifti(path: &Path, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
+    let compressed = path.to_string_lossy().to_lowercase().ends_with(".gz");
     write_whole(path, |out| {
         if compressed {
             let mut encoder = GzEncoder::new(out, Compression::new(4));
-            write_image(&mut encoder, image)?;
+            write(&mut encoder)?;
             encoder.finish().map(drop)
         } else {
-            write_image(out, image)
+            write(out)
         }
     })
 }
+
+/// NIfTI's code for 32-bit floats.
+const FLOAT32: i16 = 16;
 
 /// An integer type of NIfTI: code, bytes, and the range that it holds.
 const TYPES: [(i16, usize, i64, i64); 5] = [
@@ -38,7 +63,7 @@ fn write_image(out: &mut dyn Write, image: &LabelImage) -> io::Result<()> {
     let (low, high) = (labels().min().unwrap_or(0).min(0), labels().max().unwrap_or(0).max(0));
     let fits = |t: &&(i16, usize, i64, i64)| t.2 <= low && high <= t.3;
     let &(code, bytes, ..) = TYPES.iter().find(fits).expect("i64 holds every label");
-    out.write_all(&header(image.grid(), code, bytes))?;
+    out.write_all(&header(image.grid(), code, bytes, "labels"))?;
     let [nx, ny, nz] = image.grid().dimensions();
     for (y, z) in (0..nz).flat_map(|z| (0..ny).map(move |y| (y, z))) {
         for x in 0..nx {
@@ -55,13 +80,19 @@ impl Header {
     fn put<const N: usize>(&mut self, offset: usize, bytes: [u8; N]) {
         self.0[offset..offset + N].copy_from_slice(&bytes);
     }
+
+    /// The description's 80 bytes, the last of which stays 0.
+    fn describe(&mut self, offset: usize, name: &str) {
+        let text = &name.as_bytes()[..name.len().min(79)];
+        self.0[offset..offset + text.len()].copy_from_slice(text);
+    }
 }
 
-fn header(grid: &Grid, datatype: i16, bytes: usize) -> Vec<u8> {
+fn header(grid: &Grid, datatype: i16, bytes: usize, name: &str) -> Vec<u8> {
     if grid.dimensions().iter().all(|&n| i16::try_from(n).is_ok()) {
-        header_1(grid, datatype, bytes)
+        header_1(grid, datatype, bytes, name)
     } else {
-        header_2(grid, datatype, bytes)
+        header_2(grid, datatype, bytes, name)
     }
 }
 
@@ -70,7 +101,7 @@ const SCANNER: i16 = 1;
 /// Millimetres.
 const MM: u8 = 2;
 
-fn header_1(grid: &Grid, datatype: i16, bytes: usize) -> Vec<u8> {
+fn header_1(grid: &Grid, datatype: i16, bytes: usize, name: &str) -> Vec<u8> {
     let mut h = Header(vec![0; 352]);
     let form = Form::of(grid);
     h.put(0, 348i32.to_le_bytes());
@@ -84,6 +115,7 @@ fn header_1(grid: &Grid, datatype: i16, bytes: usize) -> Vec<u8> {
     h.put(108, 352f32.to_le_bytes());
     h.put(112, 1f32.to_le_bytes());
     h.put(123, [MM]);
+    h.describe(148, name);
     h.put(252, SCANNER.to_le_bytes());
     h.put(254, SCANNER.to_le_bytes());
     form.numbers().into_iter().enumerate().for_each(|(i, v)| h.put(256 + 4 * i, single(v)));
@@ -91,7 +123,7 @@ fn header_1(grid: &Grid, datatype: i16, bytes: usize) -> Vec<u8> {
     h.0
 }
 
-fn header_2(grid: &Grid, datatype: i16, bytes: usize) -> Vec<u8> {
+fn header_2(grid: &Grid, datatype: i16, bytes: usize, name: &str) -> Vec<u8> {
     let mut h = Header(vec![0; 544]);
     let form = Form::of(grid);
     h.put(0, 540i32.to_le_bytes());
@@ -104,6 +136,7 @@ fn header_2(grid: &Grid, datatype: i16, bytes: usize) -> Vec<u8> {
     form.pixdim(grid).into_iter().enumerate().for_each(|(i, v)| h.put(104 + 8 * i, v.to_le_bytes()));
     h.put(168, 544i64.to_le_bytes());
     h.put(176, 1f64.to_le_bytes());
+    h.describe(240, name);
     h.put(344, i32::from(SCANNER).to_le_bytes());
     h.put(348, i32::from(SCANNER).to_le_bytes());
     form.numbers().into_iter().enumerate().for_each(|(i, v)| h.put(352 + 8 * i, v.to_le_bytes()));

@@ -12,6 +12,7 @@ use crate::accuracy::{
 use crate::integrals::{Band, Integrals, Quadrature, SmearedDelta};
 use crate::local_geometry::{Differentiation, FiniteDifferences, MINIMUM_POINTS};
 use crate::surface::{Surface, SurfaceSummary};
+use crate::tiling::IndexBox;
 use crate::topology::VoxelTopology;
 use crate::volume::{FieldImage, Grid, Mask, VolumeError};
 use std::borrow::Cow;
@@ -106,6 +107,19 @@ impl Object<'_> {
     /// The field and its derivatives; `None` where the blur is known to leave nothing.
     pub fn field(&self) -> Option<&dyn Differentiation> {
         self.scheme.as_ref().map(Scheme::differentiation)
+    }
+
+    /// The smeared delta.
+    pub fn delta(&self) -> &SmearedDelta {
+        self.band.delta()
+    }
+
+    /// Where there is a field: everywhere, unless it is given and ends with its image.
+    pub fn available(&self, region: &IndexBox) -> IndexBox {
+        match self.parameters.embedding {
+            EmbeddingKind::Given => region.intersection(&self.grid().index_box()),
+            _ => *region,
+        }
     }
 
     /// The surface phi = 0 with the geometry at its vertices; empty where the blur left nothing.

@@ -2,7 +2,7 @@
 
 use super::Object;
 use crate::local_geometry::{BandVoxel, TileSample};
-use crate::tiling::{IndexBox, TILE_EDGE};
+use crate::tiling::{Block, IndexBox, TILE_EDGE};
 use rayon::prelude::*;
 use std::fmt;
 
@@ -46,26 +46,24 @@ impl fmt::Display for VoxelQuantity {
 }
 
 impl Object<'_> {
-    /// A quantity at every voxel of the image, x fastest. In parallel over tiles; the same for any number of threads.
-    pub fn voxel_map(&self, quantity: VoxelQuantity) -> Vec<f32> {
-        let [nx, ny, _] = self.grid().dimensions();
-        let mut map = vec![0.0; self.grid().voxel_count()];
+    /// A quantity on a box of voxels, such as the whole image ([`Grid::index_box`](crate::volume::Grid::index_box)), which
+    /// may reach beyond it unless the field is given. In parallel over tiles; the same for any number of threads.
+    pub fn voxel_map(&self, quantity: VoxelQuantity, region: &IndexBox) -> Block<f32> {
         let Some(field) = self.field() else {
-            if quantity == VoxelQuantity::Phi {
-                map.fill(self.parameters().level.unwrap_or_default() as f32);
-            }
-            return map;
+            // All that the blur left is the level, everywhere.
+            let level = self.parameters().level.unwrap_or_default();
+            return Block::filled(*region, if quantity == VoxelQuantity::Phi { level as f32 } else { 0.0 });
         };
+        let mut map = Block::filled(*region, 0.0);
         let half_width = self.band.delta().half_width();
-        let tiles = self.grid().index_box().tiles(TILE_EDGE);
         let values = |tile: &IndexBox| self.tile_values(&field.sample(tile, half_width), quantity);
-        // A row of tiles at a time, so that no second copy of the image is needed.
-        for batch in tiles.chunks(8 * rayon::current_num_threads()) {
+        // A few tiles at a time, so that no second copy of the image is needed.
+        for batch in region.tiles(TILE_EDGE).chunks(8 * rayon::current_num_threads()) {
             let parts: Vec<Vec<f32>> = batch.par_iter().map(values).collect();
             for (tile, part) in batch.iter().zip(parts) {
                 for ((y, z), row) in tile.rows().zip(part.chunks(tile.extent()[0])) {
-                    let start = (z as usize * ny + y as usize) * nx + tile.lower[0] as usize;
-                    map[start..][..row.len()].copy_from_slice(row);
+                    let start = map.offset([tile.lower[0], y, z]);
+                    map.values_mut()[start..][..row.len()].copy_from_slice(row);
                 }
             }
         }

@@ -6,7 +6,8 @@ use crate::io::{ImageHeader, ReadError, ReadOptions, VoxelStream};
 use crate::measurement::{EmbeddingKind, MeasureError, Measured, Measurement};
 use crate::phantoms::{ParsePhantomError, Phantom, Truth};
 use crate::volume::{FieldImage, LabelGroup, LabelImage, LabelSelection, VolumeError};
-use std::path::Path;
+use std::io;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 use thiserror::Error;
 
@@ -23,6 +24,14 @@ pub enum InputError {
     /// The measurement.
     #[error(transparent)]
     Measure(#[from] MeasureError),
+    /// A file that could not be written.
+    #[error("{path}: cannot be written: {source}", path = path.display())]
+    Write {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: io::Error,
+    },
     /// An option that the input cannot take.
     #[error("{0}")]
     Unfit(&'static str),
@@ -126,6 +135,21 @@ fn measure_field(
     measurement: &Measurement,
     options: &InputOptions,
 ) -> Result<Vec<Record>, InputError> {
+    let source = field_input(input, options)?;
+    let mut measured = measurement.run_field(&source.field)?;
+    measured.read_seconds = Some(source.read_seconds);
+    measured.flags.splice(0..0, source.flags);
+    Ok(vec![Record { input: input.to_owned(), label: None, name: None, measured }])
+}
+
+/// An opened field.
+pub(super) struct FieldInput {
+    pub(super) field: FieldImage,
+    pub(super) flags: Vec<Flag>,
+    pub(super) read_seconds: f64,
+}
+
+pub(super) fn field_input(input: &str, options: &InputOptions) -> Result<FieldInput, InputError> {
     if Phantom::is_spec(input) {
         return Err(InputError::Unfit(
             "a phantom is a label image; --embedding given wants a file that holds a field",
@@ -137,9 +161,6 @@ fn measure_field(
     let start = Instant::now();
     let mut stream = VoxelStream::open(Path::new(input), ReadOptions { spacing: options.spacing })?;
     let field = FieldImage::from_slabs(&mut stream)?;
-    let read_seconds = start.elapsed().as_secs_f64();
-    let mut measured = measurement.run_field(&field)?;
-    measured.read_seconds = Some(read_seconds);
-    measured.flags.splice(0..0, conflict_flag(stream.header(), options.spacing));
-    Ok(vec![Record { input: input.to_owned(), label: None, name: None, measured }])
+    let flags = conflict_flag(stream.header(), options.spacing).into_iter().collect();
+    Ok(FieldInput { field, flags, read_seconds: start.elapsed().as_secs_f64() })
 }

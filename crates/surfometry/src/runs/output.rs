@@ -1,5 +1,6 @@
 //! The document that a run writes.
 
+use super::{MAP_SCHEMA, SurfaceRecord};
 use crate::measurement::Measured;
 use crate::volume::LabelGroup;
 use serde::Serialize;
@@ -9,13 +10,13 @@ pub const SCHEMA: &str = "surfometry.measure/1";
 
 /// Results and failures of a run (DESIGN.md 4).
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Output {
-    /// [`SCHEMA`].
+pub struct Output<R = Record> {
+    /// [`SCHEMA`], or [`MAP_SCHEMA`].
     pub schema: &'static str,
     /// Version of surfometry.
     pub version: &'static str,
     /// One record an object.
-    pub results: Vec<Record>,
+    pub results: Vec<R>,
     /// Inputs that could not be measured.
     pub failures: Vec<Failure>,
 }
@@ -24,6 +25,13 @@ impl Output {
     /// A document.
     pub fn new(results: Vec<Record>, failures: Vec<Failure>) -> Self {
         Self { schema: SCHEMA, version: env!("CARGO_PKG_VERSION"), results, failures }
+    }
+}
+
+impl Output<SurfaceRecord> {
+    /// A document of surfaces.
+    pub fn of_surfaces(results: Vec<SurfaceRecord>, failures: Vec<Failure>) -> Self {
+        Self { schema: MAP_SCHEMA, version: env!("CARGO_PKG_VERSION"), results, failures }
     }
 }
 

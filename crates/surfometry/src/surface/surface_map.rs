@@ -2,7 +2,7 @@
 
 use super::isosurface::{SurfaceTiles, stitched};
 use super::tile_mesh::TileMesh;
-use super::{CurvatureSummary, Distribution, Mesh, VertexArray, VertexGeometry, VertexValues};
+use super::{CurvatureSummary, Distribution, LocalQuantity, Mesh, VertexArray, VertexGeometry};
 use crate::embedding::Embedding;
 use crate::local_geometry::{Curvature, Differentiation, Jet};
 use crate::tiling::IndexBox;
@@ -57,14 +57,16 @@ impl Surface {
         VertexGeometry::arrays(&self.vertices)
     }
 
-    /// Distributions of all numbers at the vertices, by area and by vertex.
+    /// A quantity at every vertex; `None` where it is not defined.
+    pub fn values(&self, quantity: LocalQuantity) -> Option<Vec<f64>> {
+        self.vertices.iter().map(|vertex| quantity.at(vertex)).collect()
+    }
+
+    /// Distributions of all quantities, by area and by vertex.
     pub fn distributions(&self) -> Vec<Distribution> {
         let areas = self.mesh.vertex_areas();
-        let of = |array: &VertexArray| match &array.values {
-            VertexValues::Scalar(values) => Distribution::of(array.name, values, &areas),
-            VertexValues::Vector(_) => None,
-        };
-        self.arrays().iter().filter_map(of).collect()
+        let of = |quantity: LocalQuantity| Distribution::of(quantity.name(), &self.values(quantity)?, &areas);
+        LocalQuantity::ALL.into_iter().filter_map(of).collect()
     }
 
     /// The surface's curvature in a few numbers; `None` where there is no surface.

@@ -1,7 +1,7 @@
 //! The geometry of the level set at a vertex, from the field's derivatives there.
 
 use super::mesh::{cross, dot, length};
-use super::{VertexArray, VertexValues};
+use super::{LocalQuantity, VertexArray, VertexValues};
 use crate::local_geometry::{Curvature, Jet};
 use crate::volume::Grid;
 use std::f64::consts::FRAC_2_PI;
@@ -21,18 +21,7 @@ pub struct VertexGeometry {
     pub displacement: Option<f64>,
 }
 
-/// Arrays of numbers that follow from the curvature: name and value.
-type CurvatureArray = (&'static str, fn(&Curvature) -> f64);
-
-const CURVATURE_ARRAYS: [CurvatureArray; 6] = [
-    ("mean_curvature_per_mm", |c| c.mean),
-    ("gaussian_curvature_per_mm2", |c| c.gaussian),
-    ("k1_per_mm", |c| c.principal()[0]),
-    ("k2_per_mm", |c| c.principal()[1]),
-    ("shape_index", Curvature::shape_index),
-    ("curvedness_per_mm", Curvature::curvedness),
-];
-
+/// An array of vectors: name and value.
 type DirectionArray = (&'static str, fn(&VertexGeometry) -> [f64; 3]);
 
 const DIRECTION_ARRAYS: [DirectionArray; 3] =
@@ -55,19 +44,19 @@ impl VertexGeometry {
         })
     }
 
-    /// Named columns of many vertices, as DESIGN.md 4 names them. `displacement_mm` is left out where any lacks it.
+    /// Named columns of many vertices (DESIGN.md 4). A number that any vertex lacks is left out.
     pub fn arrays(vertices: &[Self]) -> Vec<VertexArray> {
         let vector = |(name, value): DirectionArray| VertexArray {
             name,
             values: VertexValues::Vector(vertices.iter().map(value).collect()),
         };
-        let scalar = |name, values| VertexArray { name, values: VertexValues::Scalar(values) };
-        let curvature = CURVATURE_ARRAYS
-            .map(|(name, value)| scalar(name, vertices.iter().map(|v| value(&v.curvature)).collect()));
+        let scalar = |quantity: LocalQuantity| {
+            let values: Option<Vec<f64>> = vertices.iter().map(|v| quantity.at(v)).collect();
+            values.map(|v| VertexArray { name: quantity.name(), values: VertexValues::Scalar(v) })
+        };
         let [normal, directions @ ..] = DIRECTION_ARRAYS.map(vector);
-        let displacement: Option<Vec<f64>> = vertices.iter().map(|v| v.displacement).collect();
-        let last = displacement.map(|values| scalar("displacement_mm", values));
-        [normal].into_iter().chain(curvature).chain(directions).chain(last).collect()
+        let scalars = LocalQuantity::ALL.into_iter().filter_map(scalar);
+        [normal].into_iter().chain(scalars).chain(directions).collect()
     }
 }
 

@@ -80,14 +80,23 @@ impl Affine {
             + a[2] * (b[0] * c[1] - b[1] * c[0])
     }
 
+    /// The world axis that each image axis runs along best, each world axis being taken once.
+    pub fn nearest_axes(&self) -> [usize; 3] {
+        let lengths = self.column_lengths();
+        let along =
+            |a: usize, w: usize| if lengths[a] > 0.0 { self.linear[w][a].abs() / lengths[a] } else { 0.0 };
+        let fit = |axes: &[usize; 3]| (0..3).map(|a| along(a, axes[a])).sum::<f64>();
+        let all = [[0, 1, 2], [0, 2, 1], [1, 0, 2], [1, 2, 0], [2, 0, 1], [2, 1, 0]];
+        all.into_iter()
+            .reduce(|best, axes| if fit(&axes) > fit(&best) { axes } else { best })
+            .unwrap_or([0, 1, 2])
+    }
+
     /// The nearest anatomical axis codes, such as `RAS`: the way each image axis grows.
     pub fn axis_codes(&self) -> String {
-        let nearest = |a: usize| {
-            let column = self.column(a);
-            let w = (0..3).fold(0, |best, w| if column[w].abs() > column[best].abs() { w } else { best });
-            [['L', 'R'], ['P', 'A'], ['I', 'S']][w][usize::from(column[w] > 0.0)]
-        };
-        (0..3).map(nearest).collect()
+        let world = self.nearest_axes();
+        let letters = [['L', 'R'], ['P', 'A'], ['I', 'S']];
+        (0..3).map(|a| letters[world[a]][usize::from(self.linear[world[a]][a] > 0.0)]).collect()
     }
 
     /// Whether every entry is finite.
@@ -108,6 +117,15 @@ mod tests {
         assert_eq!(affine.apply([0.0, 1.0, 1.0]), [7.0, 20.0, 34.0]);
         assert_eq!(affine.column_lengths(), [2.0, 3.0, 4.0]);
         assert_eq!(affine.axis_codes(), "ALS");
+        // Turned by 45 degrees two axes are as near to x as to y, and no letter comes twice.
+        let half = 0.5f64.sqrt();
+        let turned = Affine::from_directions(
+            [[half, half, 0.0], [-half, half, 0.0], [0.0, 0.0, 1.0]],
+            [1.0; 3],
+            [0.0; 3],
+        );
+        assert_eq!(turned.nearest_axes(), [0, 1, 2]);
+        assert_eq!(turned.axis_codes(), "RAS");
         assert!(affine.determinant() > 0.0);
         assert_eq!(affine.with_lps_swapped().with_lps_swapped(), affine);
         assert_eq!(affine.with_spacing([1.0; 3]).column_lengths(), [1.0; 3]);

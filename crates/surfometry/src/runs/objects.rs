@@ -1,0 +1,78 @@
+//! The objects of one input, one after the other.
+
+use super::input::{field_input, open_labels};
+use super::{InputError, InputOptions, Record};
+use crate::accuracy::Flag;
+use crate::measurement::{EmbeddingKind, Measurement, Object};
+use crate::phantoms::Truth;
+use crate::volume::LabelGroup;
+
+/// One object of an input, ready to be measured, mapped and shown.
+pub struct InputObject<'a> {
+    /// The input as named.
+    pub input: &'a str,
+    /// Label, or labels that were united; `None` for a field.
+    pub label: Option<LabelGroup>,
+    /// Its place among the input's objects.
+    pub number: usize,
+    /// How many objects the input has.
+    pub count: usize,
+    /// The object.
+    pub object: Object<'a>,
+    truth: Option<Truth>,
+    flags: &'a [Flag],
+    read_seconds: f64,
+}
+
+impl InputObject<'_> {
+    /// Measures it.
+    pub fn record(&self) -> Record {
+        let mut measured = self.object.measure();
+        measured.read_seconds = Some(self.read_seconds);
+        measured.truth = self.truth;
+        measured.flags.splice(0..0, self.flags.iter().cloned());
+        Record { input: self.input.to_owned(), label: self.label.clone(), name: None, measured }
+    }
+}
+
+/// Opens an input and hands its selected objects to `visit`, in order of label.
+///
+/// # Errors
+/// [`InputError`], also that of `visit`, which ends the visit.
+pub fn visit_objects(
+    input: &str,
+    measurement: &Measurement,
+    options: &InputOptions,
+    mut visit: impl FnMut(&InputObject) -> Result<(), InputError>,
+) -> Result<(), InputError> {
+    if measurement.embedding == EmbeddingKind::Given {
+        let source = field_input(input, options)?;
+        return visit(&InputObject {
+            input,
+            label: None,
+            number: 0,
+            count: 1,
+            object: measurement.prepare_field(&source.field)?,
+            truth: None,
+            flags: &source.flags,
+            read_seconds: source.read_seconds,
+        });
+    }
+    let source = open_labels(input, options.spacing)?;
+    let groups = options.labels.resolve(&source.image).map_err(crate::measurement::MeasureError::from)?;
+    let count = groups.len();
+    for (number, label) in groups.into_iter().enumerate() {
+        let mask = source.image.group_mask(&label);
+        visit(&InputObject {
+            input,
+            label: Some(label),
+            number,
+            count,
+            object: measurement.prepare(&mask)?,
+            truth: source.truth,
+            flags: &source.flags,
+            read_seconds: source.read_seconds,
+        })?;
+    }
+    Ok(())
+}

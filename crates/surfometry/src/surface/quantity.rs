@@ -1,0 +1,91 @@
+//! The numbers that are known at a vertex.
+
+use super::VertexGeometry;
+
+/// A number at every vertex of a surface.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum LocalQuantity {
+    /// H, 1/mm.
+    #[default]
+    MeanCurvature,
+    /// K, 1/mm^2.
+    GaussianCurvature,
+    /// k1, the larger principal curvature, 1/mm.
+    K1,
+    /// k2, 1/mm.
+    K2,
+    /// Koenderink's shape index.
+    ShapeIndex,
+    /// Koenderink's curvedness, 1/mm.
+    Curvedness,
+    /// How far the blur moved the surface, mm.
+    Displacement,
+}
+
+impl LocalQuantity {
+    /// All of them, in the order of the contract.
+    pub const ALL: [Self; 7] = [
+        Self::MeanCurvature,
+        Self::GaussianCurvature,
+        Self::K1,
+        Self::K2,
+        Self::ShapeIndex,
+        Self::Curvedness,
+        Self::Displacement,
+    ];
+
+    /// Name of the array, which ends in the unit where there is one (DESIGN.md 4).
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::MeanCurvature => "mean_curvature_per_mm",
+            Self::GaussianCurvature => "gaussian_curvature_per_mm2",
+            Self::K1 => "k1_per_mm",
+            Self::K2 => "k2_per_mm",
+            Self::ShapeIndex => "shape_index",
+            Self::Curvedness => "curvedness_per_mm",
+            Self::Displacement => "displacement_mm",
+        }
+    }
+
+    /// Name for people.
+    pub fn title(self) -> &'static str {
+        match self {
+            Self::MeanCurvature => "Mean curvature H",
+            Self::GaussianCurvature => "Gaussian curvature K",
+            Self::K1 => "Principal curvature k1",
+            Self::K2 => "Principal curvature k2",
+            Self::ShapeIndex => "Shape index",
+            Self::Curvedness => "Curvedness",
+            Self::Displacement => "Displacement by the blur",
+        }
+    }
+
+    /// Unit, empty for a pure number.
+    pub fn unit(self) -> &'static str {
+        match self {
+            Self::MeanCurvature | Self::K1 | Self::K2 | Self::Curvedness => "1/mm",
+            Self::GaussianCurvature => "1/mm^2",
+            Self::ShapeIndex => "",
+            Self::Displacement => "mm",
+        }
+    }
+
+    /// Whether it can be negative.
+    pub fn is_signed(self) -> bool {
+        self != Self::Curvedness
+    }
+
+    /// Its value at a vertex; `None` for a displacement that is not defined.
+    pub fn at(self, vertex: &VertexGeometry) -> Option<f64> {
+        let curvature = &vertex.curvature;
+        match self {
+            Self::MeanCurvature => Some(curvature.mean),
+            Self::GaussianCurvature => Some(curvature.gaussian),
+            Self::K1 => Some(curvature.principal()[0]),
+            Self::K2 => Some(curvature.principal()[1]),
+            Self::ShapeIndex => Some(curvature.shape_index()),
+            Self::Curvedness => Some(curvature.curvedness()),
+            Self::Displacement => vertex.displacement,
+        }
+    }
+}
