@@ -4,4 +4,6 @@ mod mesh;
 mod vertex_array;
 
 pub use mesh::Mesh;
+#[cfg(feature = "pictures")]
+pub(crate) use mesh::{cross, dot, length, minus};
 pub use vertex_array::{VertexArray, VertexValues};
