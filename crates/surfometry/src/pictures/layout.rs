@@ -14,8 +14,6 @@ pub(crate) struct Layout {
 /// Room for all panels, and for one.
 const BUDGET: [f64; 2] = [800.0, 640.0];
 const LARGEST: f64 = 460.0;
-/// Smallest width of a panel: its name has to fit.
-const NARROWEST: f64 = 84.0;
 /// Between panels.
 const GAP: f64 = 14.0;
 
@@ -26,6 +24,8 @@ pub(crate) struct Content {
     pub(crate) extent: [f64; 2],
     /// Room around it for text, in units: left and right together, bottom and top together.
     pub(crate) rim: [f64; 2],
+    /// Width of its name.
+    pub(crate) least_width: f64,
 }
 
 impl Layout {
@@ -38,10 +38,10 @@ impl Layout {
         let down: Vec<Line> =
             (0..rows).map(|r| Line::of(1, contents.iter().skip(r * columns).take(columns))).collect();
         let units_per_mm = fitting(&across, &down);
-        let sizes = |lines: &[Line], least: f64| -> Vec<f64> {
-            lines.iter().map(|l| (l.extent * units_per_mm + l.rim).max(least)).collect()
+        let sizes = |lines: &[Line]| -> Vec<f64> {
+            lines.iter().map(|l| (l.extent * units_per_mm + l.rim).max(l.least)).collect()
         };
-        let (widths, heights) = (sizes(&across, NARROWEST), sizes(&down, 0.0));
+        let (widths, heights) = (sizes(&across), sizes(&down));
         let panel = |i: usize| {
             let (row, column) = (i / columns, i % columns);
             [before(&widths, column), before(&heights, row), widths[column], heights[row]]
@@ -66,6 +66,7 @@ impl Layout {
 struct Line {
     extent: f64,
     rim: f64,
+    least: f64,
 }
 
 impl Line {
@@ -73,8 +74,9 @@ impl Line {
         let largest = |line: Self, c: &Content| Self {
             extent: line.extent.max(c.extent[axis]),
             rim: line.rim.max(c.rim[axis]),
+            least: line.least.max([c.least_width, 0.0][axis]),
         };
-        contents.fold(Self { extent: 0.0, rim: 0.0 }, largest)
+        contents.fold(Self { extent: 0.0, rim: 0.0, least: 0.0 }, largest)
     }
 }
 

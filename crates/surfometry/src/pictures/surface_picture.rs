@@ -12,6 +12,7 @@ use super::quantity::Quantity;
 use super::raster::Background;
 use super::surface_rendering::{ColoredSurface, render_surface};
 use super::view::View;
+use super::view_panels::compose_views;
 use crate::surface::Mesh;
 
 /// A surface with a value at every vertex, from several sides.
@@ -49,6 +50,6 @@ impl SurfacePicture<'_> {
         let exceeded = self.scale.exceeded(self.values.iter().copied());
         let bar = ColorBar { scale: &self.scale, quantity: &self.quantity, exceeded };
         let frame = Frame { title: self.title, caption: self.caption, bar };
-        frame.compose(&prospects, |camera| render_surface(&surface, camera, Background::White))
+        compose_views(&frame, &prospects, |camera| render_surface(&surface, camera, Background::White))
     }
 }
