@@ -20,4 +20,15 @@ pub enum PictureError {
         /// Rows.
         height: f64,
     },
+    /// A block with more or fewer values than voxels.
+    #[error("the block has {expected} voxels but {found} values")]
+    Values {
+        /// Voxels.
+        expected: usize,
+        /// Values.
+        found: usize,
+    },
+    /// An affine that maps the block onto a plane.
+    #[error("the block's affine is singular: two of its axes coincide or a spacing is 0")]
+    SingularAffine,
 }
