@@ -9,6 +9,8 @@ pub mod io;
 pub mod local_geometry;
 pub mod measurement;
 pub mod phantoms;
+#[cfg(feature = "pictures")]
+pub mod pictures;
 #[cfg(feature = "io")]
 pub mod runs;
 pub mod surface;

@@ -17,6 +17,8 @@ pub use curvature_summary::CurvatureSummary;
 pub use distribution::{Distribution, Histogram, Moments, QUANTILES};
 pub use isosurface::{SurfaceSummary, extract};
 pub use mesh::Mesh;
+#[cfg(feature = "pictures")]
+pub(crate) use mesh::{cross, dot, length, minus};
 pub use quantity::LocalQuantity;
 pub use surface_map::Surface;
 pub use vertex_array::{VertexArray, VertexValues};

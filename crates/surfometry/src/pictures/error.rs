@@ -1,0 +1,34 @@
+//! Why a picture could not be made.
+
+/// Why a picture could not be made.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum PictureError {
+    /// The encoder refused.
+    #[error("the picture cannot be written as PNG: {0}")]
+    Png(#[from] png::EncodingError),
+    /// The SVG document is not one: a fault of this library.
+    #[error("the picture's SVG cannot be read back: {0}")]
+    Svg(#[from] resvg::usvg::Error),
+    /// More pixels than memory should be spent on, or none.
+    #[error(
+        "a picture of {width} x {height} pixels cannot be drawn; take another scale (1 is 96 dots per inch)"
+    )]
+    Size {
+        /// Pixels in a row.
+        width: f64,
+        /// Rows.
+        height: f64,
+    },
+    /// A block with more or fewer values than voxels.
+    #[error("the block has {expected} voxels but {found} values")]
+    Values {
+        /// Voxels.
+        expected: usize,
+        /// Values.
+        found: usize,
+    },
+    /// An affine that maps the block onto a plane.
+    #[error("the block's affine is singular: two of its axes coincide or a spacing is 0")]
+    SingularAffine,
+}

@@ -1,0 +1,38 @@
+//! Pictures for papers and reports, drawn without a display: a [`Figure`] is an SVG document, and PNG comes from it.
+
+mod camera;
+mod canvas;
+mod color_bar;
+mod color_scale;
+mod cool_warm;
+mod dense_field;
+mod error;
+mod figure;
+mod frame;
+mod histogram_picture;
+mod layout;
+mod quantity;
+mod raster;
+mod ray_marching;
+mod scale_bar;
+mod shading;
+mod slice_picture;
+mod surface_picture;
+mod surface_rendering;
+mod ticks;
+mod view;
+mod view_panels;
+mod volume_rendering;
+
+pub use camera::Camera;
+pub use color_scale::{ColorScale, ScaleKind};
+pub use error::PictureError;
+pub use figure::Figure;
+pub use histogram_picture::{HistogramPicture, HistogramSeries};
+pub use quantity::Quantity;
+pub use raster::{Background, Raster};
+pub use slice_picture::{Slice, SlicePicture};
+pub use surface_picture::SurfacePicture;
+pub use surface_rendering::{ColoredSurface, render_surface};
+pub use view::{Basis, UnknownView, View};
+pub use volume_rendering::VolumeRendering;

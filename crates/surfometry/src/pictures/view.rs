@@ -1,0 +1,142 @@
+//! Where the viewer stands.
+
+use std::fmt;
+use std::str::FromStr;
+
+use crate::surface::{cross, dot, length};
+
+/// A side from which an object is looked at, named by where the viewer stands. World axes are RAS.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum View {
+    /// In front. The object's right is at the picture's left.
+    Anterior,
+    /// Behind.
+    Posterior,
+    /// At the object's left; its front is at the picture's left.
+    Left,
+    /// At the object's right; its front is at the picture's right.
+    Right,
+    /// Above; the object's front is at the top.
+    Superior,
+    /// Below; the object's front is at the top, its right at the left, as radiologists look at axial slices.
+    Inferior,
+    /// In front, to the left and above.
+    Oblique,
+}
+
+/// Right-handed unit vectors of a picture, in world coordinates (RAS).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Basis {
+    /// To the picture's right.
+    pub right: [f64; 3],
+    /// To the picture's top.
+    pub up: [f64; 3],
+    /// Out of the picture, toward the viewer.
+    pub toward: [f64; 3],
+}
+
+/// A name that is no [`View`].
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("there is no view {0:?}; take one of anterior, posterior, left, right, superior, inferior, oblique")]
+pub struct UnknownView(pub String);
+
+impl View {
+    /// All of them.
+    pub const ALL: [Self; 7] = [
+        Self::Anterior,
+        Self::Posterior,
+        Self::Left,
+        Self::Right,
+        Self::Superior,
+        Self::Inferior,
+        Self::Oblique,
+    ];
+
+    /// Its name, in small letters.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Anterior => "anterior",
+            Self::Posterior => "posterior",
+            Self::Left => "left",
+            Self::Right => "right",
+            Self::Superior => "superior",
+            Self::Inferior => "inferior",
+            Self::Oblique => "oblique",
+        }
+    }
+
+    /// The picture's axes.
+    pub fn basis(self) -> Basis {
+        let (toward, up) = match self {
+            Self::Anterior => ([0.0, 1.0, 0.0], [0.0, 0.0, 1.0]),
+            Self::Posterior => ([0.0, -1.0, 0.0], [0.0, 0.0, 1.0]),
+            Self::Left => ([-1.0, 0.0, 0.0], [0.0, 0.0, 1.0]),
+            Self::Right => ([1.0, 0.0, 0.0], [0.0, 0.0, 1.0]),
+            Self::Superior => ([0.0, 0.0, 1.0], [0.0, 1.0, 0.0]),
+            Self::Inferior => ([0.0, 0.0, -1.0], [0.0, 1.0, 0.0]),
+            Self::Oblique => (unit([-0.7, 1.0, 0.65]), [0.0, 0.0, 1.0]),
+        };
+        let right = unit(cross(up, toward));
+        Basis { right, up: cross(toward, right), toward }
+    }
+
+    /// Letters (L, R, A, P, I, S) at the picture's left, right, bottom and top; none where the axes are oblique.
+    pub fn letters(self) -> Option<[char; 4]> {
+        let Basis { right, up, .. } = self.basis();
+        Some([letter(right.map(|v| -v))?, letter(right)?, letter(up.map(|v| -v))?, letter(up)?])
+    }
+}
+
+impl fmt::Display for View {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+impl FromStr for View {
+    type Err = UnknownView;
+
+    fn from_str(text: &str) -> Result<Self, UnknownView> {
+        let is_meant = |view: &Self| view.name().eq_ignore_ascii_case(text.trim());
+        Self::ALL.into_iter().find(is_meant).ok_or_else(|| UnknownView(text.to_owned()))
+    }
+}
+
+fn unit(vector: [f64; 3]) -> [f64; 3] {
+    let length = length(vector);
+    vector.map(|v| v / length)
+}
+
+/// The anatomical direction of a unit vector along a world axis.
+fn letter(direction: [f64; 3]) -> Option<char> {
+    let ways = [([1.0, 0.0, 0.0], ['R', 'L']), ([0.0, 1.0, 0.0], ['A', 'P']), ([0.0, 0.0, 1.0], ['S', 'I'])];
+    ways.into_iter().find_map(|(axis, [positive, negative])| match dot(direction, axis) {
+        d if d > 0.999 => Some(positive),
+        d if d < -0.999 => Some(negative),
+        _ => None,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bases_are_right_handed_and_letters_match_the_convention() {
+        for view in View::ALL {
+            let Basis { right, up, toward } = view.basis();
+            assert!((dot(cross(right, up), toward) - 1.0).abs() < 1e-12, "{view}");
+            assert!(dot(right, up).abs() < 1e-12 && up[2].max(up[1]) > 0.5, "{view}");
+            assert_eq!(view.to_string().to_uppercase().parse(), Ok(view));
+        }
+        let letters = |view: View| view.letters().map(String::from_iter);
+        assert_eq!(letters(View::Anterior).as_deref(), Some("RLIS"));
+        assert_eq!(letters(View::Posterior).as_deref(), Some("LRIS"));
+        assert_eq!(letters(View::Left).as_deref(), Some("APIS"));
+        assert_eq!(letters(View::Right).as_deref(), Some("PAIS"));
+        assert_eq!(letters(View::Superior).as_deref(), Some("LRPA"));
+        assert_eq!(letters(View::Inferior).as_deref(), Some("RLPA"));
+        assert_eq!(letters(View::Oblique), None);
+        assert!("front".parse::<View>().unwrap_err().to_string().contains("anterior"));
+    }
+}

@@ -1,0 +1,83 @@
+//! Panels that show an object from a side.
+
+use super::camera::{Camera, Prospect};
+use super::canvas::{Anchor, Canvas, FAINT, LABEL, SMALL, text_width};
+use super::error::PictureError;
+use super::figure::Figure;
+use super::frame::{DENSITY, Frame, LETTER, NAME, Place, draw_letters, name};
+use super::layout::{Content, Layout};
+use super::raster::Raster;
+use super::view::View;
+
+/// Reach of the axes of an oblique view.
+const TRIAD: f64 = 18.0;
+
+/// A figure with a panel a prospect, drawn by `render`.
+pub(crate) fn compose_views(
+    frame: &Frame,
+    prospects: &[Prospect],
+    render: impl Fn(&Camera) -> Raster,
+) -> Result<Figure, PictureError> {
+    let contents: Vec<Content> = prospects.iter().map(content).collect();
+    let layout = Layout::best(&contents, 1..=contents.len());
+    frame.compose(&contents, &layout, |canvas, i, place| draw_panel(canvas, &prospects[i], place, &render))
+}
+
+/// Room for letters around the object, or for axes below it.
+fn content(prospect: &Prospect) -> Content {
+    let below = if prospect.view.letters().is_some() { LETTER } else { 2.0 * TRIAD };
+    let rim = [2.0 * LETTER, NAME + LETTER + below];
+    Content { extent: prospect.extent, rim, least_width: text_width(prospect.view.name(), LABEL) }
+}
+
+/// Picture, name and directions of a view.
+fn draw_panel(
+    canvas: &mut Canvas,
+    prospect: &Prospect,
+    place: Place,
+    render: impl Fn(&Camera) -> Raster,
+) -> Result<(), PictureError> {
+    let view = prospect.view.name();
+    name(canvas, place, &(view[..1].to_uppercase() + &view[1..]));
+    if prospect.extent == [0.0; 2] {
+        canvas.centered_text(place.middle(), SMALL, FAINT, Anchor::Middle, "no surface");
+        return Ok(());
+    }
+    let letters = prospect.view.letters().map(|l| l.map(String::from));
+    // Axes take room below the object, which moves up.
+    let lift = if letters.is_some() { 0.0 } else { TRIAD - 0.5 * LETTER };
+    canvas.image(place.area, &render(&camera(prospect, place, lift)))?;
+    let [x, y, _, height] = place.area;
+    match letters {
+        Some(letters) => {
+            draw_letters(canvas, &letters, place.middle(), prospect.extent.map(|mm| mm * place.units_per_mm));
+        }
+        None => triad(canvas, prospect.view, [x + TRIAD + 12.0, y + height - TRIAD]),
+    }
+    Ok(())
+}
+
+/// A camera whose picture has the object's middle `lift` units above its own.
+fn camera(prospect: &Prospect, place: Place, lift: f64) -> Camera {
+    let basis = prospect.view.basis();
+    let lowered = lift / place.units_per_mm;
+    let [.., width, height] = place.area;
+    Camera {
+        basis,
+        center: std::array::from_fn(|i| prospect.center[i] - lowered * basis.up[i]),
+        mm_per_pixel: 1.0 / (place.units_per_mm * DENSITY),
+        size: Place::pixels([width, height]),
+    }
+}
+
+/// The world's axes, for a view along none of them.
+fn triad(canvas: &mut Canvas, view: View, [x, y]: [f64; 2]) {
+    for (axis, letter) in ["R", "A", "S"].into_iter().enumerate() {
+        let mut direction = [0.0; 3];
+        direction[axis] = 1.0;
+        let [right, up, _] = view.basis().coordinates(direction);
+        let at = |reach: f64| [x + reach * right, y - reach * up];
+        canvas.line([x, y], at(TRIAD), FAINT, 1.2);
+        canvas.centered_text(at(TRIAD + 8.0), SMALL - 1.0, FAINT, Anchor::Middle, letter);
+    }
+}

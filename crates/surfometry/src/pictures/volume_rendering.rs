@@ -1,0 +1,84 @@
+//! The surface as the measurement sees it: a smeared layer, not triangles.
+
+use rayon::prelude::*;
+
+use super::camera::Prospect;
+use super::color_bar::ColorBar;
+use super::color_scale::ColorScale;
+use super::error::PictureError;
+use super::figure::Figure;
+use super::frame::Frame;
+use super::quantity::Quantity;
+use super::raster::Background;
+use super::ray_marching::Marcher;
+use super::view::View;
+use super::view_panels::compose_views;
+use crate::integrals::SmearedDelta;
+use crate::volume::Affine;
+
+/// The paper's volume rendering: parallel rays through the embedding, whose opacity is the smeared Heaviside of -phi
+/// and whose colour is a quantity's.
+///
+/// Rays sample phi trilinearly at half the smallest spacing, from front to back; theta(-phi) is the opacity of one smallest
+/// spacing. Shading follows the gradient of phi.
+#[derive(Debug, Clone, Copy)]
+pub struct VolumeRendering<'a> {
+    /// Voxels of the block, x first.
+    pub dimensions: [usize; 3],
+    /// World position (RAS, mm) of the block's voxels, its first being (0, 0, 0).
+    pub affine: Affine,
+    /// The embedding, x fastest, negative inside. NaN counts as outside.
+    pub phi: &'a [f32],
+    /// The quantity at the same voxels; used where |phi| is below the half-width.
+    pub values: &'a [f32],
+    /// The smeared delta that was measured with.
+    pub delta: SmearedDelta,
+    /// What the values are.
+    pub quantity: Quantity<'a>,
+    /// Their colours: the transfer function.
+    pub scale: ColorScale,
+    /// One panel each.
+    pub views: &'a [View],
+    /// Above all; may be empty.
+    pub title: &'a str,
+    /// Below all; may be empty.
+    pub caption: &'a str,
+}
+
+impl VolumeRendering<'_> {
+    /// Draws it, framed as a [`super::SurfacePicture`].
+    ///
+    /// # Errors
+    /// Where there are not as many values as voxels, the affine is singular, or the PNG encoder fails.
+    pub fn figure(&self) -> Result<Figure, PictureError> {
+        let expected = self.dimensions.iter().product();
+        if let Some(found) = [self.phi.len(), self.values.len()].into_iter().find(|n| *n != expected) {
+            return Err(PictureError::Values { expected, found });
+        }
+        let Some(marcher) = Marcher::new(self) else { return Err(PictureError::SingularAffine) };
+        let outline = self.outline();
+        let prospects: Vec<Prospect> =
+            self.views.par_iter().map(|v| Prospect::of(*v, outline.iter().copied())).collect();
+        let exceeded = self.scale.exceeded(self.valid_values());
+        let bar = ColorBar { scale: &self.scale, quantity: &self.quantity, exceeded };
+        let frame = Frame { title: self.title, caption: self.caption, bar };
+        compose_views(&frame, &prospects, |camera| marcher.render(camera, Background::White))
+    }
+
+    fn valid_values(&self) -> impl Iterator<Item = f64> {
+        let near = self.delta.half_width();
+        let pairs = self.phi.iter().zip(self.values).filter(move |(phi, _)| f64::from(phi.abs()) < near);
+        pairs.map(|(_, value)| f64::from(*value))
+    }
+
+    /// World positions of the first and the last voxel in each row that can be seen.
+    fn outline(&self) -> Vec<[f64; 3]> {
+        let [nx, ny, _] = self.dimensions;
+        let seen = |phi: &f32| f64::from(*phi) < self.delta.half_width();
+        let ends = |(row, phi): (usize, &[f32])| {
+            let world = |x: usize| self.affine.apply([x, row % ny, row / ny].map(|i| i as f64));
+            [phi.iter().position(seen).map(world), phi.iter().rposition(seen).map(world)]
+        };
+        self.phi.chunks_exact(nx.max(1)).enumerate().flat_map(ends).flatten().collect()
+    }
+}
