@@ -4,6 +4,8 @@ mod commands;
 mod inputs;
 mod options;
 mod output;
+mod picture_options;
+mod progress;
 
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
@@ -25,6 +27,7 @@ struct Cli {
 #[derive(Debug, Subcommand)]
 enum Command {
     Measure(commands::measure::Args),
+    Map(commands::map::Args),
     Info(commands::info::Args),
     Phantom(commands::phantom::Args),
 }
@@ -40,6 +43,7 @@ fn main() -> ExitCode {
     }
     let outcome = match cli.command {
         Command::Measure(args) => commands::measure::run(&args, cli.quiet),
+        Command::Map(args) => commands::map::run(&args, cli.quiet),
         Command::Info(args) => commands::info::run(&args),
         Command::Phantom(args) => commands::phantom::run(&args),
     };

@@ -4,9 +4,9 @@ use super::{ALL_DONE, SOME_FAILED};
 use crate::inputs::expand;
 use crate::options::MeasureOptions;
 use crate::output::{check_output, csv_text, deliver, failures_text, json_text, say, table_text};
+use crate::progress::progress_bar;
 use anyhow::Result;
 use clap::ValueEnum;
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::IsTerminal;
 use std::path::PathBuf;
 use surfometry::runs::{Failure, Output, Record, measure_input};
@@ -88,13 +88,6 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
     };
     deliver(&text, args.output.as_deref())?;
     Ok(if output.failures.is_empty() { ALL_DONE } else { SOME_FAILED })
-}
-
-fn progress_bar(inputs: usize, quiet: bool) -> ProgressBar {
-    let shown = !quiet && std::io::stderr().is_terminal();
-    let target = if shown { ProgressDrawTarget::stderr() } else { ProgressDrawTarget::hidden() };
-    let style = ProgressStyle::with_template("{bar:24} {pos}/{len} {wide_msg}").expect("a constant template");
-    ProgressBar::with_draw_target(Some(inputs as u64), target).with_style(style)
 }
 
 /// An automatic sigma follows the spacing; numbers of images that differ in it are then not comparable.

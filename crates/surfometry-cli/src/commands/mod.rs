@@ -1,6 +1,7 @@
 //! One file a command.
 
 pub(crate) mod info;
+pub(crate) mod map;
 pub(crate) mod measure;
 pub(crate) mod phantom;
 

@@ -31,4 +31,10 @@ pub enum PictureError {
     /// An affine that maps the block onto a plane.
     #[error("the block's affine is singular: two of its axes coincide or a spacing is 0")]
     SingularAffine,
+    /// A quantity that the object does not have.
+    #[error("{quantity} is defined for the Gaussian embedding at level 0.5 only: choose another quantity")]
+    Undefined {
+        /// The quantity.
+        quantity: &'static str,
+    },
 }

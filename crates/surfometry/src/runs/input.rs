@@ -24,6 +24,18 @@ pub enum InputError {
     /// The measurement.
     #[error(transparent)]
     Measure(#[from] MeasureError),
+    /// An object without a surface.
+    #[error(
+        "{object}: nothing is left inside the level set at this sigma and level, so there is no surface; use a smaller --sigma"
+    )]
+    NoSurface {
+        /// Its name.
+        object: String,
+    },
+    /// A picture that could not be drawn.
+    #[cfg(feature = "pictures")]
+    #[error(transparent)]
+    Picture(#[from] crate::pictures::PictureError),
     /// A file that could not be written.
     #[error("{path}: cannot be written: {source}", path = path.display())]
     Write {

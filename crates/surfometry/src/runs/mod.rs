@@ -3,6 +3,8 @@
 mod file_names;
 mod flatten;
 mod input;
+#[cfg(feature = "pictures")]
+mod map_files;
 mod objects;
 mod output;
 mod surface_record;
@@ -10,6 +12,8 @@ mod surface_record;
 pub use file_names::{input_stem, with_parts};
 pub use flatten::{columns_of, flatten};
 pub use input::{InputError, InputOptions, LabelInput, measure_input, open_labels};
+#[cfg(feature = "pictures")]
+pub use map_files::{MapFile, MapStyle, write_map_files};
 pub use objects::{InputObject, visit_objects};
 pub use output::{Failure, Output, Record, SCHEMA};
 pub use surface_record::{MAP_SCHEMA, SurfaceRecord};

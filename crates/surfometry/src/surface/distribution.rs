@@ -84,6 +84,11 @@ impl Distribution {
 }
 
 impl Moments {
+    /// The value that half lies below.
+    pub fn median(&self) -> f64 {
+        self.quantiles[QUANTILES.len() / 2]
+    }
+
     /// Of values in ascending order with weights that sum to 1.
     fn of_sorted(sample: &[(f64, f64)]) -> Self {
         let mean: f64 = sample.iter().map(|(v, w)| v * w).sum();

@@ -1,0 +1,270 @@
+//! Pictures of a measured object.
+
+use super::contour::contour;
+use super::{
+    ColorScale, Figure, HistogramPicture, HistogramSeries, PictureError, Quantity, ScaleKind, Slice,
+    SlicePicture, SurfacePicture, View, VolumeRendering,
+};
+use crate::measurement::{Object, VoxelQuantity};
+use crate::surface::{Distribution, LocalQuantity, Surface};
+use crate::tiling::IndexBox;
+use crate::volume::Affine;
+use std::fmt;
+
+/// What a picture of an object shows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum PictureKind {
+    /// The surface, coloured by a quantity, from named views.
+    #[default]
+    Surface,
+    /// Mask and embedding with the contour, in three slices.
+    Slices,
+    /// The quantity's distribution by area and by vertex.
+    Histogram,
+    /// The paper's volume rendering, coloured by H (or K, where that is the quantity).
+    Volume,
+}
+
+impl fmt::Display for PictureKind {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Surface => "surface",
+            Self::Slices => "slices",
+            Self::Histogram => "histogram",
+            Self::Volume => "volume",
+        })
+    }
+}
+
+/// How pictures of an object are made.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PictureStyle {
+    /// What colours show.
+    pub quantity: LocalQuantity,
+    /// Largest magnitude on the colour scale; `None` takes a robust one from the surface.
+    pub limit: Option<f64>,
+    /// Where the viewer stands.
+    pub views: Vec<View>,
+    /// Above the picture.
+    pub title: String,
+}
+
+/// The colours of a quantity on a surface.
+pub fn color_scale(surface: &Surface, quantity: LocalQuantity, limit: Option<f64>) -> ColorScale {
+    let kind = if quantity.is_signed() { ScaleKind::Diverging } else { ScaleKind::Sequential };
+    match (limit, quantity) {
+        (Some(limit), _) => ColorScale::new(kind, limit),
+        (None, LocalQuantity::ShapeIndex) => ColorScale::new(kind, 1.0),
+        (None, _) => {
+            let values = surface.values(quantity).unwrap_or_default();
+            ColorScale::robust(kind, &values, &surface.mesh.vertex_areas())
+        }
+    }
+}
+
+/// Draws one picture of an object and its surface.
+///
+/// # Errors
+/// A quantity that is not defined for this embedding, or what drawing says.
+pub fn picture(
+    kind: PictureKind,
+    object: &Object,
+    surface: &Surface,
+    style: &PictureStyle,
+) -> Result<Figure, PictureError> {
+    let (scale, caption) = (color_scale(surface, style.quantity, style.limit), caption(object));
+    match kind {
+        PictureKind::Surface => surface_figure(surface, style, scale, &caption),
+        PictureKind::Slices => slices_figure(object, style, &caption),
+        PictureKind::Histogram => histogram_figure(surface, style, scale, &caption),
+        PictureKind::Volume => volume_figure(object, surface, style, &caption),
+    }
+}
+
+impl From<LocalQuantity> for Quantity<'static> {
+    fn from(quantity: LocalQuantity) -> Self {
+        Self { name: quantity.title(), unit: quantity.unit() }
+    }
+}
+
+/// How the surface was made, as a paper's figure legend would say.
+fn caption(object: &Object) -> String {
+    let parameters = object.parameters();
+    let how = match (parameters.sigma_mm, parameters.level) {
+        (Some(sigma), Some(level)) => format!("Gaussian blur, sigma {} mm, level {level}", rounded(sigma)),
+        _ => format!("{:?} embedding", parameters.embedding),
+    };
+    format!("{how}. H > 0 on a ball. surfometry {}", env!("CARGO_PKG_VERSION"))
+}
+
+/// Four significant digits, without zeros at the end.
+fn rounded(value: f64) -> String {
+    let digits = (3.0 - value.abs().log10().floor()).clamp(0.0, 12.0) as usize;
+    let text = format!("{value:.digits$}");
+    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
+}
+
+fn values(surface: &Surface, quantity: LocalQuantity) -> Result<Vec<f64>, PictureError> {
+    surface.values(quantity).ok_or(PictureError::Undefined { quantity: quantity.title() })
+}
+
+fn surface_figure(
+    surface: &Surface,
+    style: &PictureStyle,
+    scale: ColorScale,
+    caption: &str,
+) -> Result<Figure, PictureError> {
+    let normals: Vec<[f64; 3]> = surface.vertices.iter().map(|v| v.normal).collect();
+    SurfacePicture {
+        mesh: &surface.mesh,
+        values: &values(surface, style.quantity)?,
+        normals: &normals,
+        quantity: style.quantity.into(),
+        scale,
+        views: &style.views,
+        title: &style.title,
+        caption,
+    }
+    .figure()
+}
+
+fn histogram_figure(
+    surface: &Surface,
+    style: &PictureStyle,
+    scale: ColorScale,
+    caption: &str,
+) -> Result<Figure, PictureError> {
+    let values = values(surface, style.quantity)?;
+    let distribution = Distribution::of(style.quantity.name(), &values, &surface.mesh.vertex_areas());
+    let series = distribution.as_ref().map_or_else(Vec::new, |d| {
+        let one = |name, weights, moments: &crate::surface::Moments| HistogramSeries {
+            name,
+            weights,
+            mean: Some(moments.mean),
+            median: Some(moments.median()),
+        };
+        let h = &d.histogram;
+        vec![one("by area", h.by_area.as_slice(), &d.by_area), one("by vertex", &h.by_vertex, &d.by_vertex)]
+    });
+    HistogramPicture {
+        edges: distribution.as_ref().map_or(&[], |d| &d.histogram.edges),
+        series: &series,
+        quantity: style.quantity.into(),
+        scale: Some(scale),
+        title: &style.title,
+        caption,
+    }
+    .figure()
+}
+
+/// The object's box with some of the background around it.
+fn surroundings(object: &Object) -> IndexBox {
+    let spacing = object.grid().spacing().mm();
+    let margin = object.parameters().sigma_mm.map_or(object.parameters().thickness_mm, |s| 2.5 * s);
+    let halo = spacing.map(|h| (margin / h).ceil().max(3.0) as i64);
+    object.available(&object.mask().bounds().grown(halo))
+}
+
+fn slices_figure(object: &Object, style: &PictureStyle, caption: &str) -> Result<Figure, PictureError> {
+    let slices = [2, 1, 0].map(|world| slice(object, world));
+    let reach = object.delta().half_width().max(object.parameters().level.unwrap_or_default());
+    SlicePicture {
+        slices: &slices,
+        quantity: Quantity { name: "Embedding φ", unit: "" },
+        scale: ColorScale::new(ScaleKind::Diverging, reach),
+        title: &style.title,
+        caption,
+    }
+    .figure()
+}
+
+/// Of a world axis: the name of the slices across it, and the directions at their left, right, bottom and top, as
+/// radiologists look at them.
+const PLANES: [(&str, [char; 4]); 3] =
+    [("Sagittal", ['A', 'P', 'I', 'S']), ("Coronal", ['R', 'L', 'I', 'S']), ("Axial", ['R', 'L', 'P', 'A'])];
+
+/// The slice through the middle of the object's box, of those image slices that lie most nearly across a world axis.
+fn slice(object: &Object, world: usize) -> Slice {
+    let affine = object.grid().affine();
+    let axes = affine.nearest_axes();
+    let image_axis = |w: usize| axes.iter().position(|&a| a == w).unwrap_or(w);
+    let (plane, letters) = PLANES[world];
+    let across = image_axis(world);
+    let (mut region, bounds) = (surroundings(object), object.mask().bounds());
+    let middle = i64::midpoint(bounds.lower[across], bounds.upper[across] - 1);
+    (region.lower[across], region.upper[across]) = (middle, middle + 1);
+    // Along u and v of the picture: the image axis, and whether it grows the other way.
+    let [u, v] = [letters[1], letters[3]].map(|letter| {
+        let (w, grows_positive) = world_direction(letter);
+        let axis = image_axis(w);
+        (axis, (affine.linear[w][axis] > 0.0) != grows_positive)
+    });
+    let size = [region.extent()[u.0], region.extent()[v.0]];
+    let phi = object.voxel_map(VoxelQuantity::Phi, &region);
+    let place = |(axis, reversed): (usize, bool), i: usize| {
+        if reversed { region.upper[axis] - 1 - i as i64 } else { region.lower[axis] + i as i64 }
+    };
+    let index = |n: usize| {
+        let mut index = region.lower;
+        index[u.0] = place(u, n % size[0]);
+        index[v.0] = place(v, n / size[0]);
+        index
+    };
+    let voxels = 0..size[0] * size[1];
+    let phi: Vec<f32> = voxels.clone().map(|n| phi.get(index(n))).collect();
+    let spacing = object.grid().spacing().mm();
+    let spacing = [spacing[u.0], spacing[v.0]];
+    Slice {
+        name: format!("{plane}, voxel {} = {middle}", ['x', 'y', 'z'][across]),
+        letters: letters.map(String::from),
+        size,
+        spacing,
+        mask: voxels.map(|n| object.mask().get(index(n))).collect(),
+        contour: contour(&phi, size)
+            .into_iter()
+            .map(|ends| ends.map(|[u, v]| [u * spacing[0], v * spacing[1]]))
+            .collect(),
+        phi,
+    }
+}
+
+/// The world axis that an anatomical letter lies on, and whether at its positive end.
+fn world_direction(letter: char) -> (usize, bool) {
+    match letter {
+        'R' => (0, true),
+        'L' => (0, false),
+        'A' => (1, true),
+        'P' => (1, false),
+        'S' => (2, true),
+        _ => (2, false),
+    }
+}
+
+fn volume_figure(
+    object: &Object,
+    surface: &Surface,
+    style: &PictureStyle,
+    caption: &str,
+) -> Result<Figure, PictureError> {
+    let (quantity, voxels) = match style.quantity {
+        LocalQuantity::GaussianCurvature => (style.quantity, VoxelQuantity::GaussianCurvature),
+        _ => (LocalQuantity::MeanCurvature, VoxelQuantity::MeanCurvature),
+    };
+    let region = surroundings(object);
+    let phi = object.voxel_map(VoxelQuantity::Phi, &region);
+    let colors = object.voxel_map(voxels, &region);
+    let affine = object.grid().affine();
+    VolumeRendering {
+        dimensions: region.extent(),
+        affine: Affine { origin: affine.apply(region.lower.map(|l| l as f64)), ..*affine },
+        phi: phi.values(),
+        values: colors.values(),
+        delta: *object.delta(),
+        quantity: quantity.into(),
+        scale: color_scale(surface, quantity, style.limit.filter(|_| quantity == style.quantity)),
+        views: &style.views,
+        title: &style.title,
+        caption,
+    }
+    .figure()
+}
