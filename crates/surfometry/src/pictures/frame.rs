@@ -36,11 +36,11 @@ impl Place {
         let [x, y, width, height] = self.area;
         [x + 0.5 * width, y + 0.5 * height]
     }
+}
 
-    /// Pixels of an embedded raster that is this large.
-    pub(crate) fn pixels([width, height]: [f64; 2]) -> [usize; 2] {
-        [width, height].map(|v| libm::round(v * DENSITY).max(1.0) as usize)
-    }
+/// Pixels of an embedded raster of this size.
+pub(crate) fn pixels(size: [f64; 2], density: f64) -> [usize; 2] {
+    size.map(|v| libm::round(v * density).max(1.0) as usize)
 }
 
 impl Frame<'_> {

@@ -105,11 +105,13 @@ impl Light {
 
     /// The pixel.
     pub(crate) fn on(self, background: Background) -> [u8; 4] {
+        if self.cover == 0.0 {
+            return [255, 255, 255, if background == Background::White { 255 } else { 0 }];
+        }
         let cover = self.cover.min(1.0);
         let [r, g, b] = match background {
             Background::White => self.rgb.map(|c| encoded(f64::from(c + 1.0 - cover))),
-            Background::Transparent if cover > 0.0 => self.rgb.map(|c| encoded(f64::from(c / cover))),
-            Background::Transparent => [255; 3],
+            Background::Transparent => self.rgb.map(|c| encoded(f64::from(c / cover))),
         };
         let alpha = match background {
             Background::White => 255,

@@ -10,8 +10,9 @@ use super::shading::brightness;
 use super::volume_rendering::VolumeRendering;
 use crate::integrals::SmearedDelta;
 
-/// Light that still comes through when a ray ends.
+/// Light that still comes through when a ray ends, and density that is too thin to see.
 const SPENT: f32 = 0.003;
+const CLEAR: f64 = 0.001;
 /// Colours in the transfer function's table.
 const COLORS: usize = 1024;
 
@@ -72,21 +73,24 @@ impl<'a> Marcher<'a> {
         let direction = self.turned(camera.basis.toward.map(|v| -v * self.step));
         let (mut light, mut through, mut color) = (Light::default(), 1.0f32, self.missing);
         let Some((first, last)) = self.samples_inside(start, direction) else { return light };
-        for k in first..=last {
-            let position: [f64; 3] = std::array::from_fn(|a| start[a] + k as f64 * direction[a]);
-            if self.bricks.is_empty(position) {
+        let mut next = first;
+        while next <= last {
+            let position: [f64; 3] = std::array::from_fn(|a| start[a] + next as f64 * direction[a]);
+            let passable = self.bricks.passable_steps(position, direction);
+            next += passable.max(1);
+            if passable > 0 {
                 continue;
             }
-            let Some(corners) = self.phi.corners(position) else { continue };
-            let density = self.delta.heaviside(-self.phi.at(&corners));
-            if density.is_nan() || density <= 0.0 {
+            let Some(cell) = self.phi.cell(position) else { continue };
+            let density = self.delta.heaviside(-self.phi.at(&cell));
+            if density.is_nan() || density < CLEAR {
                 continue;
             }
             // The density is the opacity of one smallest spacing; a step is half of that.
             let opacity = 1.0 - libm::sqrt(1.0 - density) as f32;
             let valid = |voxel: usize| f64::from(self.raw_phi[voxel]).abs() < self.delta.half_width();
             // Behind the band the quantity is unknown: what little light gets there sees the last colour.
-            color = self.values.at_valid(&corners, valid).map_or(color, |value| self.color(value));
+            color = self.values.at_valid(&cell, valid).map_or(color, |value| self.color(value));
             let shade = self.shade(camera, position);
             light.add(color.map(|c| c * shade), through * opacity);
             through *= 1.0 - opacity;

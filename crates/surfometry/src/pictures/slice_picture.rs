@@ -5,7 +5,7 @@ use super::color_bar::ColorBar;
 use super::color_scale::ColorScale;
 use super::error::PictureError;
 use super::figure::Figure;
-use super::frame::{Frame, LETTER, NAME, Place, draw_letters, name};
+use super::frame::{DENSITY, Frame, LETTER, NAME, Place, draw_letters, name, pixels};
 use super::layout::{Content, Layout};
 use super::quantity::Quantity;
 use super::raster::Raster;
@@ -99,7 +99,7 @@ impl SlicePicture<'_> {
             let [left, top] = [x - 0.5 * width, y - 0.5 * height];
             canvas.image(
                 [left, top, width, height],
-                &self.raster(slice, is_mask, Place::pixels([width, height])),
+                &self.raster(slice, is_mask, pixels([width, height], DENSITY)),
             )?;
             canvas.outline([left, top, width, height], RULE, 0.8);
             let at = |[u, v]: [f64; 2]| {

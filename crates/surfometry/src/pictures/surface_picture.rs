@@ -7,7 +7,7 @@ use super::color_bar::ColorBar;
 use super::color_scale::ColorScale;
 use super::error::PictureError;
 use super::figure::Figure;
-use super::frame::Frame;
+use super::frame::{DENSITY, Frame};
 use super::quantity::Quantity;
 use super::raster::Background;
 use super::surface_rendering::{ColoredSurface, render_surface};
@@ -50,6 +50,8 @@ impl SurfacePicture<'_> {
         let exceeded = self.scale.exceeded(self.values.iter().copied());
         let bar = ColorBar { scale: &self.scale, quantity: &self.quantity, exceeded };
         let frame = Frame { title: self.title, caption: self.caption, bar };
-        compose_views(&frame, &prospects, |camera| render_surface(&surface, camera, Background::White))
+        compose_views(&frame, &prospects, DENSITY, |camera| {
+            render_surface(&surface, camera, Background::White)
+        })
     }
 }

@@ -106,17 +106,23 @@ impl<'a> Scene<'a> {
         pixels.flat_map(|pixel| self.pixel(&band, pixel).on(background)).collect()
     }
 
-    /// Mean of a pixel's samples.
+    /// Mean of a pixel's samples. Those of one triangle are shaded once, at their middle: within a pixel only edges matter.
     fn pixel(&self, band: &Band, [x, y]: [usize; 2]) -> Light {
-        let mut light = Light::default();
+        let mut parts = [(NONE, 0u32, [0.0; 2]); SAMPLES * SAMPLES];
         for row in y * SAMPLES..(y + 1) * SAMPLES {
             for column in x * SAMPLES..(x + 1) * SAMPLES {
                 let triangle = band.triangle[row * band.width + column];
-                if triangle != NONE {
+                let known = parts.iter_mut().find(|p| p.0 == triangle || p.1 == 0);
+                if let Some((name, count, sum)) = known.filter(|_| triangle != NONE) {
                     let at = [column as f64 + 0.5, (band.first_row + row) as f64 + 0.5];
-                    light.add(self.light(triangle, at), 1.0 / (SAMPLES * SAMPLES) as f32);
+                    (*name, *count, *sum) = (triangle, *count + 1, [sum[0] + at[0], sum[1] + at[1]]);
                 }
             }
+        }
+        let mut light = Light::default();
+        for (triangle, count, sum) in parts.into_iter().take_while(|p| p.1 > 0) {
+            let at = sum.map(|s| s / f64::from(count));
+            light.add(self.light(triangle, at), count as f32 / (SAMPLES * SAMPLES) as f32);
         }
         light
     }
@@ -167,15 +173,19 @@ impl Band {
         if area == 0.0 {
             return;
         }
+        let per_area = 1.0 / area;
         let (left, right) = covered(corners.map(|c| c[0]), self.width);
         let (top, bottom) = covered(corners.map(|c| c[1] - self.first_row as f64), self.rows);
         for row in top..bottom {
             for column in left..right {
                 let at = [column as f64 + 0.5, (self.first_row + row) as f64 + 0.5];
-                let [a, b, c] = weights(corners, at).map(|w| w / area);
+                let [a, b, c] = weights(corners, at).map(|w| w * per_area);
+                if a < 0.0 || b < 0.0 || c < 0.0 {
+                    continue;
+                }
                 let depth = a * corners[0][2] + b * corners[1][2] + c * corners[2][2];
                 let sample = row * self.width + column;
-                if a.min(b).min(c) >= 0.0 && depth > self.depth[sample] {
+                if depth > self.depth[sample] {
                     (self.depth[sample], self.triangle[sample]) = (depth, number);
                 }
             }

@@ -4,7 +4,7 @@ use super::camera::{Camera, Prospect};
 use super::canvas::{Anchor, Canvas, FAINT, LABEL, SMALL, text_width};
 use super::error::PictureError;
 use super::figure::Figure;
-use super::frame::{DENSITY, Frame, LETTER, NAME, Place, draw_letters, name};
+use super::frame::{Frame, LETTER, NAME, Place, draw_letters, name, pixels};
 use super::layout::{Content, Layout};
 use super::raster::Raster;
 use super::view::View;
@@ -12,15 +12,18 @@ use super::view::View;
 /// Reach of the axes of an oblique view.
 const TRIAD: f64 = 18.0;
 
-/// A figure with a panel a prospect, drawn by `render`.
+/// A figure with a panel a prospect, drawn by `render` with `density` pixels a picture unit.
 pub(crate) fn compose_views(
     frame: &Frame,
     prospects: &[Prospect],
+    density: f64,
     render: impl Fn(&Camera) -> Raster,
 ) -> Result<Figure, PictureError> {
     let contents: Vec<Content> = prospects.iter().map(content).collect();
     let layout = Layout::best(&contents, 1..=contents.len());
-    frame.compose(&contents, &layout, |canvas, i, place| draw_panel(canvas, &prospects[i], place, &render))
+    frame.compose(&contents, &layout, |canvas, i, place| {
+        draw_panel(canvas, &prospects[i], place, |lift| render(&camera(&prospects[i], place, density, lift)))
+    })
 }
 
 /// Room for letters around the object, or for axes below it.
@@ -30,12 +33,12 @@ fn content(prospect: &Prospect) -> Content {
     Content { extent: prospect.extent, rim, least_width: text_width(prospect.view.name(), LABEL) }
 }
 
-/// Picture, name and directions of a view.
+/// Picture, name and directions of a view; `render` is told how far above the panel's middle the object is to be.
 fn draw_panel(
     canvas: &mut Canvas,
     prospect: &Prospect,
     place: Place,
-    render: impl Fn(&Camera) -> Raster,
+    render: impl Fn(f64) -> Raster,
 ) -> Result<(), PictureError> {
     let view = prospect.view.name();
     name(canvas, place, &(view[..1].to_uppercase() + &view[1..]));
@@ -46,7 +49,7 @@ fn draw_panel(
     let letters = prospect.view.letters().map(|l| l.map(String::from));
     // Axes take room below the object, which moves up.
     let lift = if letters.is_some() { 0.0 } else { TRIAD - 0.5 * LETTER };
-    canvas.image(place.area, &render(&camera(prospect, place, lift)))?;
+    canvas.image(place.area, &render(lift))?;
     let [x, y, _, height] = place.area;
     match letters {
         Some(letters) => {
@@ -58,15 +61,15 @@ fn draw_panel(
 }
 
 /// A camera whose picture has the object's middle `lift` units above its own.
-fn camera(prospect: &Prospect, place: Place, lift: f64) -> Camera {
+fn camera(prospect: &Prospect, place: Place, density: f64, lift: f64) -> Camera {
     let basis = prospect.view.basis();
     let lowered = lift / place.units_per_mm;
     let [.., width, height] = place.area;
     Camera {
         basis,
         center: std::array::from_fn(|i| prospect.center[i] - lowered * basis.up[i]),
-        mm_per_pixel: 1.0 / (place.units_per_mm * DENSITY),
-        size: Place::pixels([width, height]),
+        mm_per_pixel: 1.0 / (place.units_per_mm * density),
+        size: pixels([width, height], density),
     }
 }
 

@@ -2,19 +2,22 @@
 
 use rayon::prelude::*;
 
-use super::camera::Prospect;
+use super::camera::{Camera, Prospect};
 use super::color_bar::ColorBar;
 use super::color_scale::ColorScale;
 use super::error::PictureError;
 use super::figure::Figure;
 use super::frame::Frame;
 use super::quantity::Quantity;
-use super::raster::Background;
+use super::raster::{Background, Raster};
 use super::ray_marching::Marcher;
 use super::view::View;
 use super::view_panels::compose_views;
 use crate::integrals::SmearedDelta;
 use crate::volume::Affine;
+
+/// Rays a picture unit (192 an inch): the layer is smooth, so more would cost much and show little.
+const DENSITY: f64 = 2.0;
 
 /// The paper's volume rendering: parallel rays through the embedding, whose opacity is the smeared Heaviside of -phi
 /// and whose colour is a quantity's.
@@ -51,18 +54,30 @@ impl VolumeRendering<'_> {
     /// # Errors
     /// Where there are not as many values as voxels, the affine is singular, or the PNG encoder fails.
     pub fn figure(&self) -> Result<Figure, PictureError> {
-        let expected = self.dimensions.iter().product();
-        if let Some(found) = [self.phi.len(), self.values.len()].into_iter().find(|n| *n != expected) {
-            return Err(PictureError::Values { expected, found });
-        }
-        let Some(marcher) = Marcher::new(self) else { return Err(PictureError::SingularAffine) };
+        let marcher = self.marcher()?;
         let outline = self.outline();
         let prospects: Vec<Prospect> =
             self.views.par_iter().map(|v| Prospect::of(*v, outline.iter().copied())).collect();
         let exceeded = self.scale.exceeded(self.valid_values());
         let bar = ColorBar { scale: &self.scale, quantity: &self.quantity, exceeded };
         let frame = Frame { title: self.title, caption: self.caption, bar };
-        compose_views(&frame, &prospects, |camera| marcher.render(camera, Background::White))
+        compose_views(&frame, &prospects, DENSITY, |camera| marcher.render(camera, Background::White))
+    }
+
+    /// The bare picture from a camera.
+    ///
+    /// # Errors
+    /// As [`VolumeRendering::figure`].
+    pub fn render(&self, camera: &Camera, background: Background) -> Result<Raster, PictureError> {
+        Ok(self.marcher()?.render(camera, background))
+    }
+
+    fn marcher(&self) -> Result<Marcher<'_>, PictureError> {
+        let expected = self.dimensions.iter().product();
+        if let Some(found) = [self.phi.len(), self.values.len()].into_iter().find(|n| *n != expected) {
+            return Err(PictureError::Values { expected, found });
+        }
+        Marcher::new(self).ok_or(PictureError::SingularAffine)
     }
 
     fn valid_values(&self) -> impl Iterator<Item = f64> {
