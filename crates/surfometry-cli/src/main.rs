@@ -28,6 +28,7 @@ struct Cli {
 enum Command {
     Measure(commands::measure::Args),
     Map(commands::map::Args),
+    Report(commands::report::Args),
     Info(commands::info::Args),
     Phantom(commands::phantom::Args),
 }
@@ -44,6 +45,7 @@ fn main() -> ExitCode {
     let outcome = match cli.command {
         Command::Measure(args) => commands::measure::run(&args, cli.quiet),
         Command::Map(args) => commands::map::run(&args, cli.quiet),
+        Command::Report(args) => commands::report::run(&args, cli.quiet),
         Command::Info(args) => commands::info::run(&args),
         Command::Phantom(args) => commands::phantom::run(&args),
     };

@@ -11,6 +11,8 @@ pub mod measurement;
 pub mod phantoms;
 #[cfg(feature = "pictures")]
 pub mod pictures;
+#[cfg(feature = "report")]
+pub mod report;
 #[cfg(feature = "io")]
 pub mod runs;
 pub mod surface;

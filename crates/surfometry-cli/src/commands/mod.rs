@@ -4,6 +4,7 @@ pub(crate) mod info;
 pub(crate) mod map;
 pub(crate) mod measure;
 pub(crate) mod phantom;
+pub(crate) mod report;
 
 /// Exit status: everything was done.
 pub(crate) const ALL_DONE: u8 = 0;

@@ -16,7 +16,7 @@ use crate::tiling::IndexBox;
 use crate::topology::VoxelTopology;
 use crate::volume::{FieldImage, Grid, Mask, VolumeError};
 use std::borrow::Cow;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 /// An object with its parameters filled in and its field set up: the one that is measured, mapped and shown.
 pub struct Object<'a> {
@@ -26,7 +26,7 @@ pub struct Object<'a> {
     quadrature: Quadrature,
     /// `None` where the blur is known to leave nothing.
     pub(super) scheme: Option<Scheme<'a>>,
-    start: Instant,
+    setup: Duration,
 }
 
 impl Measurement {
@@ -47,7 +47,7 @@ impl Measurement {
             band: Band::new(delta, parameters.thickness_mm),
             quadrature: Quadrature::unbounded(self.quadrature),
             scheme: Scheme::of_mask(self, mask, &parameters)?,
-            start,
+            setup: start.elapsed(),
         })
     }
 
@@ -83,7 +83,7 @@ impl Measurement {
             band: Band::new(delta, parameters.thickness_mm),
             quadrature: Quadrature::bounded(measurement.quadrature, grid.dimensions()),
             scheme: Some(Scheme::Given(differences)),
-            start,
+            setup: start.elapsed(),
         })
     }
 }
@@ -130,11 +130,12 @@ impl Object<'_> {
 
     /// All numbers.
     pub fn measure(&self) -> Measured {
+        let start = Instant::now();
         let scheme = self.scheme.as_ref();
         let integrals = scheme.map(|s| s.integrate(&self.band, &self.quadrature, self.grid()));
         let surviving = integrals.filter(|i| i.inside_voxels > 0);
         let compensated = self.compensated(surviving);
-        let seconds = self.start.elapsed().as_secs_f64();
+        let seconds = (self.setup + start.elapsed()).as_secs_f64();
         let mesh = scheme.map(|s| s.surface_summary(self.grid())).filter(|mesh| mesh.triangles > 0);
         let topology = VoxelTopology::of(&self.mask);
         let voxels = VoxelSummary::of(&self.mask);

@@ -76,7 +76,10 @@ pub fn picture(
     match kind {
         PictureKind::Surface => surface_figure(surface, style, scale, &caption),
         PictureKind::Slices => slices_figure(object, style, &caption),
-        PictureKind::Histogram => histogram_figure(surface, style, scale, &caption),
+        PictureKind::Histogram => {
+            let caption = format!("The outer bins hold all that lies beyond. {caption}");
+            histogram_figure(surface, style, scale, &caption)
+        }
         PictureKind::Volume => volume_figure(object, surface, style, &caption),
     }
 }

@@ -71,7 +71,7 @@ pub fn write_map_files(
     let file = MapFile::of_path(path).ok_or(InputError::Unfit("the file's name ends in no known format"))?;
     let path = with_parts(path, &object_parts(source, style.inputs));
     match file {
-        MapFile::Mesh(_) if surface.is_empty() => Err(InputError::NoSurface { object: title(source) }),
+        MapFile::Mesh(_) if surface.is_empty() => Err(InputError::NoSurface { object: source.title() }),
         MapFile::Mesh(_) => mesh_files(source, surface, &path, style),
         MapFile::Voxels => voxel_files(source, &path, style),
         MapFile::Png | MapFile::Svg => picture_files(source, surface, &path, style, file),
@@ -85,14 +85,6 @@ fn object_parts(source: &InputObject, inputs: usize) -> Vec<String> {
     input.into_iter().chain(label).collect()
 }
 
-/// An object's name for people.
-fn title(source: &InputObject) -> String {
-    match &source.label {
-        Some(label) if source.count > 1 => format!("{}, label {label}", source.input),
-        _ => source.input.to_owned(),
-    }
-}
-
 fn mesh_files(
     source: &InputObject,
     surface: &Surface,
@@ -102,7 +94,7 @@ fn mesh_files(
     let PictureStyle { quantity, limit, .. } = style.picture;
     let scale = color_scale(surface, quantity, limit);
     let colors = surface.values(quantity).map(|values| scale.colors(&values));
-    let title = format!("surfometry {}: {}", env!("CARGO_PKG_VERSION"), title(source));
+    let title = format!("surfometry {}: {}", env!("CARGO_PKG_VERSION"), source.title());
     let arrays = surface.arrays();
     let document =
         MeshDocument { mesh: &surface.mesh, arrays: &arrays, colors: colors.as_deref(), title: &title };
@@ -131,7 +123,7 @@ fn picture_files(
     style: &MapStyle,
     file: MapFile,
 ) -> Result<Vec<PathBuf>, InputError> {
-    let titled = PictureStyle { title: title(source), ..style.picture.clone() };
+    let titled = PictureStyle { title: source.title(), ..style.picture.clone() };
     let write = |&kind: &PictureKind| {
         let path = match style.pictures.len() {
             1 => path.to_owned(),

@@ -4,7 +4,7 @@ use super::input::{field_input, open_labels};
 use super::{InputError, InputOptions, Record};
 use crate::accuracy::Flag;
 use crate::measurement::{EmbeddingKind, Measurement, Object};
-use crate::phantoms::Truth;
+use crate::phantoms::{Phantom, Truth};
 use crate::volume::LabelGroup;
 
 /// One object of an input, ready to be measured, mapped and shown.
@@ -25,6 +25,18 @@ pub struct InputObject<'a> {
 }
 
 impl InputObject<'_> {
+    /// Its name for people: the file's without its folders, and the label where there are several.
+    pub fn title(&self) -> String {
+        let name = match std::path::Path::new(self.input).file_name() {
+            Some(name) if !Phantom::is_spec(self.input) => name.to_string_lossy().into_owned(),
+            _ => self.input.to_owned(),
+        };
+        match &self.label {
+            Some(label) if self.count > 1 => format!("{name}, label {label}"),
+            _ => name,
+        }
+    }
+
     /// Measures it.
     pub fn record(&self) -> Record {
         let mut measured = self.object.measure();

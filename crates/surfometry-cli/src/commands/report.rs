@@ -1,0 +1,79 @@
+//! `surfometry report`.
+
+use super::{ALL_DONE, SOME_FAILED};
+use crate::inputs::expand;
+use crate::options::MeasureOptions;
+use crate::output::{check_output, deliver, say};
+use crate::progress::progress_bar;
+use anyhow::Result;
+use std::path::PathBuf;
+use surfometry::io::ReadError;
+use surfometry::report::{ObjectReport, Provenance, Report, Source, render};
+use surfometry::runs::{Failure, InputError, InputOptions, visit_objects};
+
+/// Write one HTML page with the numbers, the surface to turn, its distributions, slices, method and provenance
+///
+/// The page needs no network. Each object of each input gets a section; a page of more than a few dozen surfaces is slow in
+/// browsers.
+#[derive(Debug, clap::Args)]
+pub(crate) struct Args {
+    /// Files, patterns or phantoms
+    #[arg(required = true, value_name = "INPUT")]
+    inputs: Vec<String>,
+    /// Page to write
+    #[arg(short, long, value_name = "FILE.html")]
+    output: PathBuf,
+    /// Heading [default: the input's name]
+    #[arg(long)]
+    title: Option<String>,
+    #[command(flatten)]
+    options: MeasureOptions,
+}
+
+pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
+    let measurement = args.options.measurement()?;
+    let wanted = args.options.inputs();
+    let inputs = expand(&args.inputs);
+    check_output(Some(&args.output), &inputs)?;
+    let progress = progress_bar(inputs.len(), quiet);
+    let (mut objects, mut sources, mut failures) = (Vec::new(), Vec::new(), Vec::new());
+    for input in &inputs {
+        progress.set_message(input.clone());
+        let mut sections = Vec::new();
+        match add_input(input, &measurement, &wanted, &mut sections) {
+            Ok(source) => {
+                sources.push(source);
+                objects.append(&mut sections);
+            }
+            Err(error) => {
+                let failure = Failure::new(input, &error);
+                progress.suspend(|| say(&failure.to_string()));
+                failures.push(failure);
+            }
+        }
+        progress.inc(1);
+    }
+    progress.finish_and_clear();
+    let status = if failures.is_empty() { ALL_DONE } else { SOME_FAILED };
+    let title = args.title.clone().unwrap_or_else(|| match inputs.as_slice() {
+        [one] => one.clone(),
+        many => format!("{} images", many.len()),
+    });
+    let command: Vec<String> = std::env::args().collect();
+    let provenance = Provenance::new(command.join(" "), sources);
+    deliver(&render(&Report { title, objects, failures, provenance })?, Some(&args.output))?;
+    Ok(status)
+}
+
+fn add_input(
+    input: &str,
+    measurement: &surfometry::Measurement,
+    wanted: &InputOptions,
+    sections: &mut Vec<ObjectReport>,
+) -> Result<Source, InputError> {
+    visit_objects(input, measurement, wanted, |object| {
+        sections.push(ObjectReport::of(object)?);
+        Ok(())
+    })?;
+    Source::of(input).map_err(|source| ReadError::Io { path: input.into(), source }.into())
+}

@@ -1,0 +1,77 @@
+//! What a report shows of one object.
+
+use super::Scene;
+use super::scene::MOST_TRIANGLES;
+use crate::pictures::{PictureError, PictureKind, PictureStyle, View, picture};
+use crate::runs::{InputObject, SurfaceRecord};
+use crate::surface::{LocalQuantity, Surface};
+use serde::Serialize;
+
+/// One object's section.
+#[derive(Debug, Clone, Serialize)]
+pub struct ObjectReport {
+    /// Heading.
+    pub title: String,
+    /// All numbers.
+    pub result: SurfaceRecord,
+    /// The surface to turn; `None` where it has none or is too large.
+    pub scene: Option<Scene>,
+    /// Why there is no scene.
+    pub scene_note: Option<String>,
+    /// The surface from six sides, coloured by H, as SVG.
+    pub views: Option<String>,
+    /// Distributions, as SVG.
+    pub histograms: Vec<String>,
+    /// Mask and embedding, as SVG.
+    pub slices: String,
+}
+
+/// Quantities whose distributions are drawn.
+const DRAWN: [LocalQuantity; 4] = [
+    LocalQuantity::MeanCurvature,
+    LocalQuantity::GaussianCurvature,
+    LocalQuantity::ShapeIndex,
+    LocalQuantity::Curvedness,
+];
+
+const VIEWS: [View; 6] =
+    [View::Anterior, View::Posterior, View::Left, View::Right, View::Superior, View::Inferior];
+
+impl ObjectReport {
+    /// Measures and draws an object.
+    ///
+    /// # Errors
+    /// What drawing says.
+    pub fn of(source: &InputObject) -> Result<Self, PictureError> {
+        let surface = source.object.surface();
+        let scene = Scene::of(&surface);
+        let draw = |kind, quantity| {
+            let style = PictureStyle { quantity, limit: None, views: VIEWS.to_vec(), title: String::new() };
+            Ok::<_, PictureError>(picture(kind, &source.object, &surface, &style)?.svg().to_owned())
+        };
+        let shown: &[LocalQuantity] = if surface.is_empty() { &[] } else { &DRAWN };
+        Ok(Self {
+            title: source.title(),
+            result: SurfaceRecord::new(source.record(), &surface),
+            scene_note: scene.is_none().then(|| why_no_scene(&surface)),
+            scene,
+            views: (!surface.is_empty())
+                .then(|| draw(PictureKind::Surface, LocalQuantity::MeanCurvature))
+                .transpose()?,
+            histograms: shown.iter().map(|&q| draw(PictureKind::Histogram, q)).collect::<Result<_, _>>()?,
+            slices: draw(PictureKind::Slices, LocalQuantity::MeanCurvature)?,
+        })
+    }
+}
+
+fn why_no_scene(surface: &Surface) -> String {
+    if surface.is_empty() {
+        return "Nothing is left inside the level set at this sigma and level, so there is no surface."
+            .to_owned();
+    }
+    format!(
+        "The surface has {} triangles, more than the {MOST_TRIANGLES} that a page can turn: write it with `surfometry map -o \
+         surface.vtp` and open it in ParaView or 3D Slicer.",
+        surface.mesh.triangles.len()
+    )
+}

@@ -1,0 +1,30 @@
+//! One HTML file that shows what was measured: numbers, a surface to turn, distributions, slices, method, provenance.
+//!
+//! Everything that is shown stands in one serialisable [`Report`]; `report.html` is its only template. The file needs no
+//! network: plotly.js, as the `plotly` crate carries it, is inside.
+
+mod figures;
+mod provenance;
+mod scene;
+mod template;
+
+pub use figures::ObjectReport;
+pub use provenance::{Provenance, Source};
+pub use scene::Scene;
+pub use template::render;
+
+use crate::runs::Failure;
+use serde::Serialize;
+
+/// What a report shows.
+#[derive(Debug, Clone, Serialize)]
+pub struct Report {
+    /// Heading.
+    pub title: String,
+    /// One section each.
+    pub objects: Vec<ObjectReport>,
+    /// Inputs that could not be measured.
+    pub failures: Vec<Failure>,
+    /// How, from what and by what it was made.
+    pub provenance: Provenance,
+}

@@ -1,0 +1,75 @@
+//! From the context to the page.
+
+use super::Report;
+use minijinja::value::{Serde, Value};
+use minijinja::{Environment, Error, context};
+
+const PAGE: &str = include_str!("report.html");
+
+/// The page of a report.
+///
+/// # Errors
+/// None that data can cause: the template is tested.
+pub fn render(report: &Report) -> Result<String, Error> {
+    let mut environment = Environment::new();
+    environment.add_filter("digits", digits);
+    environment.add_template("report.html", PAGE)?;
+    let page = context! { report => Value::from(Serde(report)), plotly => plotly_script() };
+    environment.get_template("report.html")?.render(page)
+}
+
+/// The element that holds plotly.js. (The crate puts MathJax behind it, which the report has no use for.)
+fn plotly_script() -> String {
+    const END: &str = "</script>";
+    let all = plotly::Plot::offline_js_sources();
+    let end = all.find(END).map_or(all.len(), |at| at + END.len());
+    all[..end].to_owned()
+}
+
+/// Significant digits, six unless told; a dash for null.
+fn digits(value: &Value, count: Option<i32>) -> String {
+    let Ok(number) = f64::try_from(value.clone()) else { return "–".to_owned() };
+    if number == 0.0 || !number.is_finite() {
+        return "0".to_owned();
+    }
+    let magnitude = number.abs().log10().floor() as i32;
+    let count = count.unwrap_or(6);
+    if !(-5..12).contains(&magnitude) {
+        return format!("{number:.*e}", (count - 1) as usize);
+    }
+    let text = format!("{number:.*}", (count - 1 - magnitude).max(0) as usize);
+    let trimmed = if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { &text };
+    trimmed.replace('-', "−")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::report::Provenance;
+    use crate::runs::Failure;
+
+    #[test]
+    fn text_is_escaped_and_only_one_library_is_inside() {
+        let failure = Failure::new("<script>alert(1)</script>.nii", &"no such file");
+        let report = Report {
+            title: "a & b <u>".to_owned(),
+            objects: Vec::new(),
+            failures: vec![failure],
+            provenance: Provenance::new("surfometry report '<i>'".to_owned(), Vec::new()),
+        };
+        let page = render(&report).unwrap();
+        assert!(!page.contains("<script>alert") && !page.contains("<u>") && !page.contains("'<i>'"));
+        assert!(page.contains("a &amp; b &lt;u&gt;") && page.contains("plotly.js v3"));
+        assert_eq!(page.matches("<script type=\"text/javascript\">").count(), 1);
+        assert!(!page.contains("<script src=") && page.len() < 5_000_000);
+    }
+
+    #[test]
+    fn numbers_keep_their_digits() {
+        let text = |v: f64| digits(&Value::from(v), None);
+        assert_eq!(text(184_572.6), "184573");
+        assert_eq!(text(0.034_567_89), "0.0345679");
+        assert_eq!(text(-2.0), "−2");
+        assert_eq!(digits(&Value::from(()), None), "–");
+    }
+}
