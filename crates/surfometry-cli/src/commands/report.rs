@@ -56,6 +56,7 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
     progress.finish_and_clear();
     let status = if failures.is_empty() { ALL_DONE } else { SOME_FAILED };
     let title = args.title.clone().unwrap_or_else(|| match inputs.as_slice() {
+        [one] if !one.starts_with("phantom:") => file_name(one),
         [one] => one.clone(),
         many => format!("{} images", many.len()),
     });
@@ -63,6 +64,11 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
     let provenance = Provenance::new(command.join(" "), sources);
     deliver(&render(&Report { title, objects, failures, provenance })?, Some(&args.output))?;
     Ok(status)
+}
+
+fn file_name(input: &str) -> String {
+    let name = std::path::Path::new(input).file_name();
+    name.map_or_else(|| input.to_owned(), |name| name.to_string_lossy().into_owned())
 }
 
 fn add_input(

@@ -13,6 +13,7 @@ const PAGE: &str = include_str!("report.html");
 pub fn render(report: &Report) -> Result<String, Error> {
     let mut environment = Environment::new();
     environment.add_filter("digits", digits);
+    environment.add_filter("thousandths", thousandths);
     environment.add_template("report.html", PAGE)?;
     let page = context! { report => Value::from(Serde(report)), plotly => plotly_script() };
     environment.get_template("report.html")?.render(page)
@@ -26,6 +27,19 @@ fn plotly_script() -> String {
     all[..end].to_owned()
 }
 
+/// Three decimals, as a number that is to be read as a whole one wants; a dash for null.
+fn thousandths(value: &Value) -> String {
+    // Adding 0 turns -0 into 0.
+    let rounded = |number: f64| (number * 1000.0).round() / 1000.0 + 0.0;
+    f64::try_from(value.clone())
+        .map_or_else(|_| "–".to_owned(), |number| minus(&format!("{:.3}", rounded(number))))
+}
+
+/// A hyphen made a minus.
+fn minus(text: &str) -> String {
+    text.replace('-', "−")
+}
+
 /// Significant digits, six unless told; a dash for null.
 fn digits(value: &Value, count: Option<i32>) -> String {
     let Ok(number) = f64::try_from(value.clone()) else { return "–".to_owned() };
@@ -35,11 +49,11 @@ fn digits(value: &Value, count: Option<i32>) -> String {
     let magnitude = number.abs().log10().floor() as i32;
     let count = count.unwrap_or(6);
     if !(-5..12).contains(&magnitude) {
-        return format!("{number:.*e}", (count - 1) as usize);
+        return minus(&format!("{number:.*e}", (count - 1) as usize));
     }
     let text = format!("{number:.*}", (count - 1 - magnitude).max(0) as usize);
     let trimmed = if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { &text };
-    trimmed.replace('-', "−")
+    minus(trimmed)
 }
 
 #[cfg(test)]
@@ -70,6 +84,8 @@ mod tests {
         assert_eq!(text(184_572.6), "184573");
         assert_eq!(text(0.034_567_89), "0.0345679");
         assert_eq!(text(-2.0), "−2");
+        assert_eq!(thousandths(&Value::from(-0.000_2)), "0.000");
+        assert_eq!(thousandths(&Value::from(-217.7118)), "−217.712");
         assert_eq!(digits(&Value::from(()), None), "–");
     }
 }
