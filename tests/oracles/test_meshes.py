@@ -10,7 +10,7 @@ import pytest
 import pyvista
 import trimesh
 import vtk
-from conftest import lumpy, surfometry
+from conftest import lumpy, mirrored, oblique, save_mask, surfometry
 from scipy import ndimage, spatial
 
 SCALARS = [
@@ -24,23 +24,6 @@ SCALARS = [
 ]
 VECTORS = ["normal", "direction_1", "direction_2"]
 FILES = ["m.vtp", "m.ply", "m.stl", "m.obj", "m.glb", "m.surf.gii", "m.csv"]
-
-
-def oblique():
-    """Turned about (1, 2, 3), three spacings, an origin far from zero."""
-    axis = np.array([1.0, 2.0, 3.0])
-    affine = np.eye(4)
-    affine[:3, :3] = spatial.transform.Rotation.from_rotvec(0.8 * axis / np.linalg.norm(axis)).as_matrix()
-    affine[:3, :3] *= [0.8, 1.0, 1.3]
-    affine[:3, 3] = [-112.5, 40.25, 907.0]
-    return affine
-
-
-def mirrored():
-    """A left-handed image, as most radiological ones are."""
-    affine = np.diag([-0.9, 1.1, 1.2, 1.0])
-    affine[:3, 3] = [90.0, -126.0, -72.0]
-    return affine
 
 
 AFFINES = {"oblique": oblique(), "mirrored": mirrored(), "phantom": None}
@@ -59,7 +42,7 @@ class Surface:
         else:
             # Smoothed, so that the blur of the method moves its centroid by little.
             blurred = ndimage.gaussian_filter(np.pad(lumpy((48, 42, 36), 7), 6).astype(float), 4.0)
-            nib.save(nib.Nifti1Image((blurred > 0.5).astype(np.uint8), AFFINES[kind]), mask)
+            save_mask(mask, blurred > 0.5, AFFINES[kind])
         self.image = nib.load(mask)
         outputs = [argument for name in FILES for argument in ("-o", folder / name)]
         surfometry("map", source, "--sigma", "1.2", *outputs)

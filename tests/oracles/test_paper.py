@@ -3,7 +3,7 @@
 import nibabel as nib
 import numpy as np
 import pytest
-from conftest import lumpy, measure
+from conftest import curvatures, gaussian_derivatives, lumpy, measure
 from scipy import ndimage, special
 
 SPACING = (0.8, 1.0, 1.3)
@@ -23,33 +23,6 @@ def differences(phi, spacing):
         for b in range(3):
             hessian[a][b] = along(phi, second, a, 2) if a == b else along(gradient[a], first, b, 1)
     return np.array(gradient), np.array(hessian)
-
-
-def gaussian_derivatives(mask, sigma, spacing):
-    """SciPy's own derivative-of-Gaussian filters."""
-    scale = [sigma / h for h in spacing]
-
-    def of(order):
-        filtered = ndimage.gaussian_filter(mask, scale, order=order, truncate=5.0, mode="constant")
-        return -filtered / np.prod([h**n for h, n in zip(spacing, order)])
-
-    unit = np.eye(3, dtype=int)
-    gradient = np.array([of(unit[a]) for a in range(3)])
-    hessian = np.array([[of(unit[a] + unit[b]) for b in range(3)] for a in range(3)])
-    return gradient, hessian
-
-
-def curvatures(gradient, hessian):
-    """H by the divergence of the normal, K by the bordered determinant."""
-    norm = np.sqrt((gradient**2).sum(axis=0))
-    normal = gradient / norm
-    along = np.einsum("a...,ab...,b...->...", normal, hessian, normal)
-    mean = (np.trace(hessian) - along) / (2 * norm)
-    bordered = np.zeros((4, 4, norm.size))
-    bordered[:3, :3] = hessian.reshape(3, 3, -1)
-    bordered[:3, 3] = bordered[3, :3] = gradient.reshape(3, -1)
-    gaussian = -np.linalg.det(bordered.transpose(2, 0, 1)) / norm.ravel() ** 4
-    return mean, gaussian.reshape(mean.shape), norm
 
 
 def paper(mask, sigma, thickness, derivatives):

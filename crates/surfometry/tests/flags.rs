@@ -21,8 +21,18 @@ fn raised(m: &Measured, code: &str) -> bool {
 fn a_good_measurement_is_not_flagged() {
     let m = ball(20.0, [1.0, 0.9, 0.8], &Measurement::default());
     assert_eq!(codes(&m), ["not-computed"]);
-    assert!(m.topology.euler_characteristic_mesh.is_none() && m.grid_noise.volume_mm3.is_none());
+    assert!(m.grid_noise.volume_mm3.is_none());
     assert!(m.compensated.standard_error.volume_mm3.is_none());
+}
+
+/// A band that covers more of the object than its surface: the mesh, which knows no band, tells.
+#[test]
+fn the_band_against_the_mesh() {
+    let m = Measurement::default();
+    let (small, large) = (ball(4.0, [1.0; 3], &m), ball(20.0, [1.0; 3], &m));
+    let excess = |m: &Measured| m.surface_area_mm2.unwrap() / m.mesh.surface_area_mm2.unwrap() - 1.0;
+    assert!(raised(&small, "band-differs-from-mesh") && excess(&small) > 0.05, "{}", excess(&small));
+    assert!(!raised(&large, "band-differs-from-mesh") && excess(&large).abs() < 2e-3, "{}", excess(&large));
 }
 
 #[test]

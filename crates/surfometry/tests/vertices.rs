@@ -125,6 +125,28 @@ fn newton_steps_gain_nothing() {
     }
 }
 
+/// Noise of H at the vertices of a ball against the blurred ball's 1/r: 0.052 h^2 / sigma^3 (FACTS), so 13 % at sigma = 2 voxels
+/// and R = 20, and an eighth of that at twice the sigma.
+#[test]
+fn the_noise_of_h_falls_as_the_cube_of_sigma() {
+    let radius = 20.0;
+    let phantom = phantom(Ball { radius }, poses()[0], [1.0; 3]);
+    let mask = phantom.labels().unwrap().mask(1);
+    let noise = |sigma: f64| {
+        let scheme = scheme(&mask, sigma);
+        let mesh = extract(scheme.embedding(), mask.grid());
+        let exact = 1.0 / blurred_radius(radius, sigma);
+        let h =
+            scheme.jets_at(&indices(&phantom, &mesh)).into_iter().map(|j| Curvature::of(&j).unwrap().mean);
+        rms(h.map(|h| h - exact))
+    };
+    for sigma in [2.0, 3.0, 4.0] {
+        let (found, law) = (noise(sigma), 0.052 / sigma.powi(3));
+        println!("sigma {sigma}: rms of H {found:.5} (law {law:.5}), {:.1} % of 1/R", 100.0 * found * radius);
+        assert!((found / law - 1.0).abs() < 0.25, "{found} {law}");
+    }
+}
+
 /// Signed distance of a point from a shape, along the shape's normal: positive outside.
 fn distance(phantom: &Phantom, world: [f64; 3]) -> f64 {
     let start = phantom.pose().to_shape(world);

@@ -114,15 +114,22 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
     let (mut records, mut failures) = (Vec::new(), Vec::new());
     for input in &inputs {
         progress.set_message(input.clone());
+        let mut failed = |failure: Failure| {
+            progress.suspend(|| say(&failure.to_string()));
+            failures.push(failure);
+        };
         let outcome = visit_objects(input, &measurement, &wanted, |source| {
             progress.set_message(format!("{input}, object {} of {}", source.number + 1, source.count));
-            records.push(map_object(source, &targets, &style)?);
+            let (record, error) = map_object(source, &targets, &style);
+            records.push(record);
+            // The input's other objects are mapped all the same.
+            if let Some(error) = error {
+                failed(source.failure(&error));
+            }
             Ok(())
         });
         if let Err(error) = outcome {
-            let failure = Failure::new(input, &error);
-            progress.suspend(|| say(&failure.to_string()));
-            failures.push(failure);
+            failed(Failure::new(input, &error));
         }
         progress.inc(1);
     }
@@ -141,16 +148,19 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
     Ok(status)
 }
 
+/// Writes an object's files; what is known of it, and what kept the rest from being written.
 fn map_object(
     source: &InputObject,
     targets: &Targets,
     style: &MapStyle,
-) -> Result<SurfaceRecord, InputError> {
+) -> (SurfaceRecord, Option<InputError>) {
     let surface = source.object.surface();
     let mut record = SurfaceRecord::new(source.record(), &surface);
     for path in &targets.files {
-        let written = write_map_files(source, &surface, path, style)?;
-        record.files.extend(written.iter().map(|path| path.display().to_string()));
+        match write_map_files(source, &surface, path, style) {
+            Ok(written) => record.files.extend(written.iter().map(|path| path.display().to_string())),
+            Err(error) => return (record, Some(error)),
+        }
     }
-    Ok(record)
+    (record, None)
 }

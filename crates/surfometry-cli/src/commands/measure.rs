@@ -5,11 +5,14 @@ use crate::inputs::expand;
 use crate::options::MeasureOptions;
 use crate::output::{check_output, csv_text, deliver, failures_text, json_text, say, table_text};
 use crate::progress::progress_bar;
-use anyhow::Result;
+use anyhow::{Result, bail};
 use clap::ValueEnum;
 use std::io::IsTerminal;
-use std::path::PathBuf;
-use surfometry::runs::{Failure, Output, Record, measure_input};
+use std::path::{Path, PathBuf};
+use surfometry::Measurement;
+use surfometry::runs::{
+    Failure, InputOptions, MapFile, MapStyle, Output, Record, measure_input, visit_objects, write_map_files,
+};
 
 /// Measure the objects of label images
 ///
@@ -32,6 +35,10 @@ pub(crate) struct Args {
     /// File to write instead of stdout; written whole or not at all
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
+    /// Picture of the surface, coloured by mean curvature; `map` makes others. Where there are several inputs or objects,
+    /// `_NAME` and `_label-N` go before the ending
+    #[arg(long, value_name = "FILE.png")]
+    png: Option<PathBuf>,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -49,10 +56,18 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
     let wanted = args.options.inputs();
     let inputs = expand(&args.inputs);
     check_output(args.output.as_deref(), &inputs)?;
+    check_output(args.png.as_deref(), &inputs)?;
+    if let Some(path) = args.png.as_deref().filter(|path| MapFile::of_path(path) != Some(MapFile::Png)) {
+        bail!("{}: the picture's name must end in .png", path.display());
+    }
     let progress = progress_bar(inputs.len(), quiet);
     let (mut results, mut failures) = (Vec::new(), Vec::new());
     for input in &inputs {
         progress.set_message(input.clone());
+        let mut failed = |failure: Failure| {
+            progress.suspend(|| say(&failure.to_string()));
+            failures.push(failure);
+        };
         let outcome = measure_input(input, &measurement, &wanted, |done, total| {
             if done == 0 && total > MANY_LABELS && !quiet {
                 let message = format!("{input}: {total} labels; if this is a grey image, threshold it first");
@@ -63,12 +78,13 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
             }
         });
         match outcome {
-            Ok(records) => results.extend(records),
-            Err(error) => {
-                let failure = Failure::new(input, &error);
-                progress.suspend(|| say(&failure.to_string()));
-                failures.push(failure);
+            Ok(records) => {
+                results.extend(records);
+                if let Some(path) = &args.png {
+                    draw(input, &measurement, &wanted, (path, inputs.len()), failed);
+                }
             }
+            Err(error) => failed(Failure::new(input, &error)),
         }
         progress.inc(1);
     }
@@ -88,6 +104,26 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
     };
     deliver(&text, args.output.as_deref())?;
     Ok(if output.failures.is_empty() { ALL_DONE } else { SOME_FAILED })
+}
+
+/// Draws the surfaces of an input's objects; `inputs` is how many inputs there are.
+fn draw(
+    input: &str,
+    measurement: &Measurement,
+    wanted: &InputOptions,
+    (path, inputs): (&Path, usize),
+    mut failed: impl FnMut(Failure),
+) {
+    let style = MapStyle { inputs, ..MapStyle::default() };
+    let outcome = visit_objects(input, measurement, wanted, |source| {
+        if let Err(error) = write_map_files(source, &source.object.surface(), path, &style) {
+            failed(source.failure(&error));
+        }
+        Ok(())
+    });
+    if let Err(error) = outcome {
+        failed(Failure::new(input, &error));
+    }
 }
 
 /// An automatic sigma follows the spacing; numbers of images that differ in it are then not comparable.

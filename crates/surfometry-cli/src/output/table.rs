@@ -26,8 +26,17 @@ impl Layout {
     }
 }
 
-const COLUMNS: [&str; 8] =
-    ["label", "surface", "volume mm³", "area mm²", "total H mm", "mean H 1/mm", "chi", "chi voxels"];
+const COLUMNS: [&str; 9] = [
+    "label",
+    "surface",
+    "volume mm³",
+    "area mm²",
+    "total H mm",
+    "mean H 1/mm",
+    "chi",
+    "chi mesh",
+    "chi voxels",
+];
 
 pub(crate) fn table_text(output: &Output) -> String {
     let by_input = output.results.chunk_by(|a, b| a.input == b.input);
@@ -88,6 +97,7 @@ fn rows(record: &Record) -> Vec<Vec<String>> {
         number(m.total_mean_curvature_mm),
         number(m.average_mean_curvature_per_mm),
         chi(m.euler_characteristic),
+        m.topology.euler_characteristic_mesh.map_or_else(|| "-".to_owned(), |chi| chi.to_string()),
         m.topology.euler_characteristic_voxels_26.to_string(),
     ]];
     if m.parameters.embedding == EmbeddingKind::Gaussian {

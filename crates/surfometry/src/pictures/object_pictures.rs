@@ -49,6 +49,18 @@ pub struct PictureStyle {
     pub title: String,
 }
 
+impl Default for PictureStyle {
+    /// H from one oblique view.
+    fn default() -> Self {
+        Self {
+            quantity: LocalQuantity::default(),
+            limit: None,
+            views: vec![View::Oblique],
+            title: String::new(),
+        }
+    }
+}
+
 /// The colours of a quantity on a surface.
 pub fn color_scale(surface: &Surface, quantity: LocalQuantity, limit: Option<f64>) -> ColorScale {
     let kind = if quantity.is_signed() { ScaleKind::Diverging } else { ScaleKind::Sequential };

@@ -26,12 +26,9 @@ pub enum InputError {
     Measure(#[from] MeasureError),
     /// An object without a surface.
     #[error(
-        "{object}: nothing is left inside the level set at this sigma and level, so there is no surface; use a smaller --sigma"
+        "nothing is left inside the level set at this sigma and level, so there is no surface; use a smaller --sigma"
     )]
-    NoSurface {
-        /// Its name.
-        object: String,
-    },
+    NoSurface,
     /// A picture that could not be drawn.
     #[cfg(feature = "pictures")]
     #[error(transparent)]

@@ -56,6 +56,19 @@ pub struct MapStyle {
     pub inputs: usize,
 }
 
+impl Default for MapStyle {
+    /// H on the surface, from one oblique view at 192 dots per inch.
+    fn default() -> Self {
+        Self {
+            picture: PictureStyle::default(),
+            pictures: vec![PictureKind::Surface],
+            dpi_scale: 2.0,
+            voxels: vec![VoxelQuantity::MeanCurvature],
+            inputs: 1,
+        }
+    }
+}
+
 /// Writes one file, or several where several pictures or quantities are asked for; their names.
 ///
 /// Where the run has several inputs, or the input several objects, `_NAME` and `_label-N` go before the ending.
@@ -71,7 +84,8 @@ pub fn write_map_files(
     let file = MapFile::of_path(path).ok_or(InputError::Unfit("the file's name ends in no known format"))?;
     let path = with_parts(path, &object_parts(source, style.inputs));
     match file {
-        MapFile::Mesh(_) if surface.is_empty() => Err(InputError::NoSurface { object: source.title() }),
+        // Voxel maps show what is there instead.
+        MapFile::Mesh(_) | MapFile::Png | MapFile::Svg if surface.is_empty() => Err(InputError::NoSurface),
         MapFile::Mesh(_) => mesh_files(source, surface, &path, style),
         MapFile::Voxels => voxel_files(source, &path, style),
         MapFile::Png | MapFile::Svg => picture_files(source, surface, &path, style, file),

@@ -1,7 +1,7 @@
 //! The objects of one input, one after the other.
 
 use super::input::{field_input, open_labels};
-use super::{InputError, InputOptions, Record};
+use super::{Failure, InputError, InputOptions, Record};
 use crate::accuracy::Flag;
 use crate::measurement::{EmbeddingKind, Measurement, Object};
 use crate::phantoms::{Phantom, Truth};
@@ -34,6 +34,14 @@ impl InputObject<'_> {
         match &self.label {
             Some(label) if self.count > 1 => format!("{name}, label {label}"),
             _ => name,
+        }
+    }
+
+    /// What is said where something of it could not be had: with its label, where there are several.
+    pub fn failure(&self, error: &InputError) -> Failure {
+        match &self.label {
+            Some(label) if self.count > 1 => Failure::new(self.input, &format!("label {label}: {error}")),
+            _ => Failure::new(self.input, error),
         }
     }
 

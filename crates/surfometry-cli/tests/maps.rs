@@ -1,0 +1,194 @@
+//! `map`, `report` and `measure --png` as a user meets them: exit status, names of files, what is refused.
+
+use serde_json::Value;
+use std::collections::BTreeSet;
+use std::path::Path;
+use std::process::{Command, Output};
+
+fn run_in(folder: &Path, args: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_surfometry")).current_dir(folder).args(args).output().expect("it starts")
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8(bytes.to_vec()).unwrap()
+}
+
+fn files_in(folder: &Path) -> BTreeSet<String> {
+    std::fs::read_dir(folder).unwrap().map(|e| e.unwrap().file_name().into_string().unwrap()).collect()
+}
+
+fn names(list: &[&str]) -> BTreeSet<String> {
+    list.iter().map(ToString::to_string).collect()
+}
+
+const BALL: &str = "phantom:ball?radius=8&shift=0.3,0.2,0.1";
+
+/// Two boxes with labels 1 and 4, and a speck with label 7 that a blur of 2 mm removes.
+fn three_labels(folder: &Path) {
+    let inside = |x: usize, y: usize, z: usize, from: usize, to: usize| {
+        (from..to).contains(&x) && (8..22).contains(&y) && (8..22).contains(&z)
+    };
+    let voxel = |i: usize| -> u8 {
+        let (x, y, z) = (i % 50, i / 50 % 30, i / 1500);
+        match () {
+            () if inside(x, y, z, 5, 19) => 1,
+            () if inside(x, y, z, 30, 44) => 4,
+            () if (x, y, z) == (24, 15, 15) => 7,
+            () => 0,
+        }
+    };
+    let voxels: Vec<u8> = (0..50 * 30 * 30).map(voxel).collect();
+    let header = "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 50 30 30\nspacings: 1 1 1\nencoding: raw\n\n";
+    std::fs::write(folder.join("three.nrrd"), [header.as_bytes(), &voxels].concat()).unwrap();
+}
+
+#[test]
+fn every_format_is_written_and_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let outputs =
+        ["a.ply", "a.vtp", "a.stl", "a.obj", "a.glb", "a.surf.gii", "a.csv", "a.nii.gz", "a.png", "a.json"];
+    let mut args = vec!["map", BALL];
+    outputs.iter().for_each(|o| args.extend(["-o", o]));
+    let done = run_in(folder.path(), &args);
+    assert_eq!(done.status.code(), Some(0), "{}", text(&done.stderr));
+    let printed: BTreeSet<String> = text(&done.stdout).lines().map(str::to_owned).collect();
+    assert_eq!(printed, files_in(folder.path()));
+    assert_eq!(printed, names(&[&outputs[..], &["a.shape.gii", "a.vector.gii"]].concat()));
+    let csv = std::fs::read_to_string(folder.path().join("a.csv")).unwrap();
+    // DESIGN.md 4: world coordinates first, then the arrays by their names.
+    assert!(csv.starts_with("x_mm,y_mm,z_mm,"));
+    for name in ["mean_curvature_per_mm", "gaussian_curvature_per_mm2", "displacement_mm", "direction_1_x"] {
+        assert!(csv.lines().next().unwrap().split(',').any(|column| column == name), "{name}");
+    }
+}
+
+#[test]
+fn the_json_holds_results_and_distributions() {
+    let folder = tempfile::tempdir().unwrap();
+    let done = run_in(folder.path(), &["map", BALL, "-o", "a.json", "-o", "a.ply"]);
+    assert_eq!(done.status.code(), Some(0), "{}", text(&done.stderr));
+    let document: Value =
+        serde_json::from_slice(&std::fs::read(folder.path().join("a.json")).unwrap()).unwrap();
+    assert_eq!(document["schema"], "surfometry.map/1");
+    let result = &document["results"][0];
+    assert_eq!(result["files"], serde_json::json!(["a.ply"]));
+    assert_eq!(result["input"], BALL);
+    let energy = result["curvature"]["bending_energy"].as_f64().unwrap();
+    assert!((energy / (8.0 * std::f64::consts::PI) - 1.0).abs() < 0.05, "{energy}");
+    let distributions = result["distributions"].as_array().unwrap();
+    let of =
+        |name: &str| distributions.iter().find(|d| d["name"] == name).unwrap_or_else(|| panic!("{name}"));
+    let mean = &of("mean_curvature_per_mm");
+    // Mean of H over the area is the band's <H>; the blurred ball's is above 1/8.
+    let average = result["average_mean_curvature_per_mm"].as_f64().unwrap();
+    assert!((mean["by_area"]["mean"].as_f64().unwrap() / average - 1.0).abs() < 0.02 && average > 1.0 / 8.0);
+    assert_eq!(
+        mean["by_area"]["quantiles"].as_array().unwrap().len(),
+        result["quantiles"].as_array().unwrap().len()
+    );
+    let shares: f64 =
+        mean["histogram"]["by_vertex"].as_array().unwrap().iter().filter_map(Value::as_f64).sum();
+    assert!((shares - 1.0).abs() < 1e-9);
+}
+
+/// Several objects: a file each. One that the blur removes is listed, and the others are written all the same.
+#[test]
+fn objects_have_files_of_their_own() {
+    let folder = tempfile::tempdir().unwrap();
+    three_labels(folder.path());
+    let done =
+        run_in(folder.path(), &["map", "three.nrrd", "--sigma", "2", "-o", "out.ply", "-o", "all.json"]);
+    assert_eq!(done.status.code(), Some(1));
+    let expected = ["three.nrrd", "out_label-1.ply", "out_label-4.ply", "all.json"];
+    assert_eq!(files_in(folder.path()), names(&expected));
+    let said = text(&done.stderr);
+    assert!(
+        said.contains("three.nrrd: label 7: nothing is left") && said.contains("smaller --sigma"),
+        "{said}"
+    );
+    let document: Value =
+        serde_json::from_slice(&std::fs::read(folder.path().join("all.json")).unwrap()).unwrap();
+    assert_eq!(document["results"].as_array().unwrap().len(), 3);
+    assert!(document["failures"][0]["error"].as_str().unwrap().starts_with("label 7"));
+    assert!(document["results"][2]["curvature"].is_null());
+
+    let one = run_in(folder.path(), &["map", "three.nrrd", "--label", "4", "--sigma", "2", "-o", "one.vtp"]);
+    assert_eq!(text(&one.stdout), "one.vtp\n");
+    let two =
+        run_in(folder.path(), &["map", "three.nrrd", BALL, "--label", "1", "-o", "two.stl", "--sigma", "2"]);
+    assert_eq!(text(&two.stdout), "two_three.stl\ntwo_ball.stl\n");
+}
+
+#[test]
+fn pictures_and_voxel_maps_of_several_kinds_are_told_apart() {
+    let folder = tempfile::tempdir().unwrap();
+    let args = ["map", BALL, "--png", "p.png", "--picture", "surface,slices,histogram,volume", "--dpi", "48"];
+    let voxels = ["-o", "v.nii", "--voxels", "phi,delta"];
+    let done = run_in(folder.path(), &[&args[..], &voxels].concat());
+    assert_eq!(done.status.code(), Some(0), "{}", text(&done.stderr));
+    let expected = [
+        "p_surface.png",
+        "p_slices.png",
+        "p_histogram.png",
+        "p_volume.png",
+        "v_phi.nii",
+        "v_delta_per_mm.nii",
+    ];
+    assert_eq!(files_in(folder.path()), names(&expected));
+}
+
+#[test]
+fn what_cannot_be_written_is_refused_before_anything_is_read() {
+    let folder = tempfile::tempdir().unwrap();
+    let cases: [(&[&str], &str); 8] = [
+        (&["map", "missing.nii"], "say what to write: -o FILE"),
+        (&["map", "missing.nii", "-o", "a.xyz"], "a.xyz: the name must end in one of .ply"),
+        (&["map", "missing.nii", "-o", "no/a.ply"], "the folder no does not exist"),
+        (&["map", "missing.nii", "-o", "a.ply", "--view", "top"], "there is no view"),
+        (&["map", "missing.nii", "-o", "a.ply", "--limit", "0"], "it must be positive"),
+        (&["map", "missing.nii", "-o", "a.ply", "--quantity", "x"], "mean-curvature"),
+        (&["report", "missing.nii"], "--output"),
+        (&["measure", "missing.nii", "--png", "a.jpg"], "the picture's name must end in .png"),
+    ];
+    for (args, message) in cases {
+        let refused = run_in(folder.path(), args);
+        assert_eq!(refused.status.code(), Some(2), "{args:?}");
+        assert!(text(&refused.stderr).contains(message), "{args:?}: {}", text(&refused.stderr));
+        assert!(refused.stdout.is_empty() && files_in(folder.path()).is_empty(), "{args:?}");
+    }
+    let missing = run_in(folder.path(), &["map", "missing.nii", BALL, "-o", "a.ply"]);
+    assert_eq!(missing.status.code(), Some(1));
+    assert_eq!(files_in(folder.path()), names(&["a_ball.ply"]));
+}
+
+/// A quantity that an embedding does not have is an error with a cure, not a picture of zeros.
+#[test]
+fn a_displacement_needs_a_blur() {
+    let folder = tempfile::tempdir().unwrap();
+    let args = ["map", BALL, "--embedding", "distance", "--quantity", "displacement", "-o", "a.png"];
+    let done = run_in(folder.path(), &args);
+    assert_eq!(done.status.code(), Some(1));
+    assert!(text(&done.stderr).contains("Gaussian embedding at level 0.5"), "{}", text(&done.stderr));
+    assert!(files_in(folder.path()).is_empty());
+}
+
+#[test]
+fn a_measurement_may_end_in_a_picture() {
+    let folder = tempfile::tempdir().unwrap();
+    let done = run_in(folder.path(), &["measure", BALL, "--png", "ball.png"]);
+    assert_eq!(done.status.code(), Some(0), "{}", text(&done.stderr));
+    assert!(text(&done.stdout).contains("blurred"));
+    let png = std::fs::read(folder.path().join("ball.png")).unwrap();
+    assert!(png.starts_with(b"\x89PNG") && png.len() > 10_000);
+}
+
+#[test]
+fn a_report_lists_what_failed() {
+    let folder = tempfile::tempdir().unwrap();
+    let done = run_in(folder.path(), &["report", BALL, "missing.nii", "-o", "r.html", "--title", "A & B"]);
+    assert_eq!(done.status.code(), Some(1));
+    let page = std::fs::read_to_string(folder.path().join("r.html")).unwrap();
+    assert!(page.contains("A &amp; B") && page.contains("missing.nii") && page.contains("No such file"));
+    assert!(page.contains("surfometry report") && page.contains("id=\"scene-1\""));
+    assert!(done.stdout.is_empty());
+}

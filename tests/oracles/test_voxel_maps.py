@@ -1,0 +1,119 @@
+"""Voxel maps, read by nibabel: on the input's grid, SciPy's numbers, and sums that are the measured integrals."""
+
+import nibabel as nib
+import numpy as np
+import pytest
+from conftest import curvatures, gaussian_derivatives, lumpy, measure, mirrored, oblique, save_mask, surfometry
+from scipy import ndimage
+
+NAMES = {
+    "mean-curvature": "mean_curvature_per_mm",
+    "gaussian-curvature": "gaussian_curvature_per_mm2",
+    "delta": "delta_per_mm",
+    "phi": "phi",
+    "band": "band",
+}
+SIGMA = 2.0
+AFFINES = {"oblique": oblique(), "mirrored": mirrored()}
+
+
+class Maps:
+    """All maps of one file, and what was measured of it."""
+
+    def __init__(self, path, *options):
+        self.source = nib.load(path)
+        (self.record,) = measure(path, *options)
+        surfometry("map", path, *options, "--voxels", ",".join(NAMES), "-o", path.with_name("m.nii.gz"))
+        self.images = {key: nib.load(path.with_name(f"m_{name}.nii.gz")) for key, name in NAMES.items()}
+        self.cell = abs(np.linalg.det(self.source.affine[:3, :3]))
+
+    def __getitem__(self, key):
+        return np.asarray(self.images[key].dataobj).astype(np.float64)
+
+    def check_integrals(self, rel):
+        """Of the surface, by sums over voxels: area, total mean curvature, Euler characteristic."""
+        element = self["delta"] * self.cell
+        found = [
+            element.sum(),
+            (element * self["mean-curvature"]).sum(),
+            (element * self["gaussian-curvature"]).sum() / (2 * np.pi),
+        ]
+        names = ["surface_area_mm2", "total_mean_curvature_mm", "euler_characteristic"]
+        np.testing.assert_allclose(found, [self.record[name] for name in names], rtol=rel)
+
+
+@pytest.fixture(scope="module", params=AFFINES)
+def maps(request, tmp_path_factory):
+    path = tmp_path_factory.mktemp(request.param) / "mask.nii.gz"
+    # Clear of the border by more than the kernels' reach, so that no map is cut.
+    return Maps(save_mask(path, np.pad(lumpy((42, 36, 30), 3), 14), AFFINES[request.param]), "--sigma", SIGMA)
+
+
+def test_maps_lie_on_the_inputs_grid(maps):
+    for key, image in maps.images.items():
+        assert image.shape == maps.source.shape
+        assert image.get_data_dtype() == np.float32
+        np.testing.assert_allclose(image.affine, maps.source.affine, atol=1e-6)
+        np.testing.assert_allclose(image.get_qform(), image.get_sform(), atol=1e-4)
+        assert image.header["descrip"].item() == NAMES[key].encode()
+
+
+def test_sums_over_voxels_are_the_integrals(maps):
+    maps.check_integrals(rel=1e-5)
+
+
+def test_phi_is_the_blurred_mask(maps):
+    spacing = maps.source.header.get_zooms()
+    mask = np.asarray(maps.source.dataobj).astype(np.float64)
+    blurred = ndimage.gaussian_filter(mask, [SIGMA / h for h in spacing], truncate=5.0, mode="constant")
+    # Kernels end at 5 sigma in both, to a voxel.
+    np.testing.assert_allclose(maps["phi"], 0.5 - blurred, atol=1e-5)
+    inside = (maps["phi"] < 0).sum() * maps.cell
+    assert inside == pytest.approx(maps.record["volume_mm3"], rel=1e-2)
+    assert inside == pytest.approx(maps.record["mesh"]["volume_mm3"], rel=1e-2)
+
+
+def test_the_band_is_where_phi_is_small_and_curvature_is_there_only(maps):
+    band, distance = maps["band"], np.abs(maps["phi"]) - maps.record["parameters"]["epsilon"]
+    assert set(np.unique(band)) == {0.0, 1.0}
+    # Rounded to single precision at the rim.
+    clear = np.abs(distance) > 1e-6
+    np.testing.assert_array_equal(band[clear], (distance < 0)[clear])
+    assert (~clear).sum() < 5
+    for key in ["mean-curvature", "gaussian-curvature", "delta"]:
+        assert (maps[key][band == 0] == 0).all()
+    assert (maps["delta"][band == 1] >= 0).all()
+
+
+def test_curvature_in_the_band_is_scipys(maps):
+    mask = np.asarray(maps.source.dataobj).astype(np.float64)
+    band = maps["band"] == 1
+    gradient, hessian = gaussian_derivatives(mask, SIGMA, maps.source.header.get_zooms())
+    mean, gaussian, norm = curvatures(gradient[:, band], hessian[:, :, band])
+    epsilon = maps.record["parameters"]["epsilon"]
+    delta = (1 + np.cos(np.pi * maps["phi"][band] / epsilon)) / (2 * epsilon) * norm
+    for key, expected in [("mean-curvature", mean), ("gaussian-curvature", gaussian), ("delta", delta)]:
+        np.testing.assert_allclose(maps[key][band], expected, atol=2e-3 * np.abs(expected).max())
+
+
+def test_a_given_field_comes_back(tmp_path):
+    # Of a ball of 12 mm; not a distance, so that the gradient varies over the band.
+    affine = mirrored()
+    index = np.stack(np.meshgrid(*[np.arange(n) for n in (46, 40, 38)], indexing="ij"), axis=-1)
+    centre = nib.affines.apply_affine(affine, [22.3, 19.6, 18.2])
+    distance = np.linalg.norm(nib.affines.apply_affine(affine, index) - centre, axis=-1)
+    field = np.float32(distance - 12 + 0.01 * (distance - 12) ** 2)
+    nib.save(nib.Nifti1Image(field, affine), tmp_path / "field.nii")
+    maps = Maps(tmp_path / "field.nii", "--embedding", "given")
+    np.testing.assert_array_equal(maps["phi"], field)
+    maps.check_integrals(rel=1e-5)
+    assert maps.record["surface_area_mm2"] == pytest.approx(4 * np.pi * 12**2, rel=5e-3)
+    band = maps["band"] == 1
+    np.testing.assert_allclose(maps["mean-curvature"][band], 1 / distance[band], rtol=1e-2)
+    np.testing.assert_allclose(maps["gaussian-curvature"][band], 1 / distance[band] ** 2, rtol=2e-2)
+
+
+def test_one_quantity_keeps_the_name(tmp_path):
+    surfometry("map", "phantom:ball?radius=6", "-o", tmp_path / "m.nii", "--voxels", "band")
+    assert [path.name for path in tmp_path.iterdir()] == ["m.nii"]
+    assert nib.load(tmp_path / "m.nii").header["descrip"].item() == b"band"
