@@ -73,9 +73,9 @@ def check_silhouettes(path, mask, affine, mesh, least):
     assert found.keys() == VIEWS.keys()
     # The shell casts the same shadow. Points in it are closer than the cells in which they are counted.
     shell = np.argwhere(mask ^ ndimage.binary_erosion(mask)).astype(np.float32)
-    parts = np.stack(np.meshgrid(*[[-1 / 3, 0, 1 / 3]] * 3), axis=-1).reshape(-1, 3)
+    parts = np.stack(np.meshgrid(*[[-0.25, 0.25]] * 3), axis=-1).reshape(-1, 3)
     points = nib.affines.apply_affine(affine, (shell[:, None] + parts).reshape(-1, 3)) - mesh.bounds.mean(axis=0)
-    cell = nib.affines.voxel_sizes(affine).max() / 2
+    cell = nib.affines.voxel_sizes(affine).max() * 0.55
     for view, panel in found.items():
         assert 0.15 < panel.object.mean() < 0.95, view
         cells = [int(n * panel.mm_per_pixel / cell) for n in panel.object.shape]
@@ -223,7 +223,7 @@ def test_the_right_is_at_the_left_in_the_anterior_view(tmp_path):
     flipped = draw(save_mask(tmp_path / "b.nii", mask[::-1], affine @ flip), tmp_path / "b.svg", *options, views=names)
     for view, panel in seen.items():
         difference = np.abs(panel.pixels - flipped[view].pixels).max(axis=2)
-        assert difference.mean() < 1 and np.quantile(difference, 0.99) < 8, view
+        assert difference.mean() < 1 and np.quantile(difference, 0.99) < 16, view
 
 
 AXES = {"mirrored": mirrored(), "permuted": mirrored()[:, [2, 0, 1, 3]], "oblique": oblique()}

@@ -1,5 +1,6 @@
 //! Derivatives of the blurred indicator by convolution with derivatives of the Gaussian.
 
+use super::interpolation::interpolated_values;
 use super::{BandVoxel, Differentiation, Jet, TileSample, band_indices};
 use crate::embedding::{Embedding, GaussianEmbedding};
 use crate::tiling::{Block, IndexBox};
@@ -74,16 +75,58 @@ impl Differentiation for GaussianDerivatives<'_> {
         TileSample::Varying { phi, band }
     }
 
-    /// Convolved with kernels that are centred at each point.
+    /// Convolved with kernels that are centred at each point; for blurs that are wide in voxels, where that costs the square of
+    /// sigma and nothing is lost, interpolated between the derivatives on the grid.
     fn jets_at(&self, points: &[[f64; 3]]) -> Vec<Jet> {
-        let jet = |point: &[f64; 3]| {
-            let [value, rest @ ..] = self.embedding.convolve_at(*point);
-            Jet {
-                value: self.embedding.level() - value,
-                gradient: std::array::from_fn(|n| -rest[n]),
-                hessian: std::array::from_fn(|n| -rest[n + 3]),
+        if self.is_wide() { self.interpolated(points) } else { self.convolved(points) }
+    }
+}
+
+/// Sigma in spacings from which on derivatives are interpolated. The polynomial through six voxels an axis is then right to 1e-5
+/// (`tests/vertices.rs`).
+const WIDE: f64 = 4.0;
+
+impl GaussianDerivatives<'_> {
+    fn is_wide(&self) -> bool {
+        self.embedding.sigma() > WIDE * self.embedding.mask().grid().spacing().largest()
+    }
+
+    /// phi = T - blur, so its derivatives are those of the blur, negated.
+    fn jet(&self, [value, rest @ ..]: [f64; 10]) -> Jet {
+        Jet {
+            value: self.embedding.level() - value,
+            gradient: std::array::from_fn(|n| -rest[n]),
+            hessian: std::array::from_fn(|n| -rest[n + 3]),
+        }
+    }
+
+    fn convolved(&self, points: &[[f64; 3]]) -> Vec<Jet> {
+        points.iter().map(|point| self.jet(self.embedding.convolve_at(*point))).collect()
+    }
+
+    fn interpolated(&self, points: &[[f64; 3]]) -> Vec<Jet> {
+        let voxel = |p: &[f64; 3]| IndexBox::voxel(p.map(|v| v.floor() as i64));
+        let hull = points.iter().fold(IndexBox::EMPTY, |hull, p| hull.hull(&voxel(p))).grown([3; 3]);
+        if hull.is_empty() {
+            return Vec::new();
+        }
+        let mut orders = [[0; 3]; 10];
+        orders[1..].copy_from_slice(&ORDERS);
+        let mut blocks: [Block<f32>; 10] = std::array::from_fn(|_| Block::filled(hull, 0.0));
+        let slice = hull.extent()[0] * hull.extent()[1];
+        self.embedding.convolution().for_each_slice(self.embedding.mask(), &hull, &orders, |z, planes| {
+            let start = (z - hull.lower[2]) as usize * slice;
+            for (block, plane) in blocks.iter_mut().zip(planes) {
+                block.values_mut()[start..][..slice].copy_from_slice(plane);
             }
+        });
+        // Derivatives come in units of sigma.
+        let sigma = self.embedding.sigma();
+        let unit = |n: usize| [1.0, sigma, sigma * sigma][usize::from(n > 0) + usize::from(n > 3)];
+        let jet_at = |point: &[f64; 3]| {
+            let values = interpolated_values(&blocks, *point);
+            self.jet(std::array::from_fn(|n| values[n] / unit(n)))
         };
-        points.iter().map(jet).collect()
+        points.iter().map(jet_at).collect()
     }
 }

@@ -47,6 +47,25 @@ const ORDERS: [[usize; 3]; 10] = [
     [0, 1, 1],
 ];
 
+/// Values at a fractional index of blocks of one box of at least six voxels a side.
+pub(super) fn interpolated_values<const N: usize>(blocks: &[Block<f32>; N], point: [f64; 3]) -> [f64; N] {
+    let region = blocks[0].region();
+    let [x, y, z]: [AxisWeights; 3] =
+        std::array::from_fn(|a| AxisWeights::at(point[a], region.lower[a], region.upper[a]));
+    let mut values = [0.0; N];
+    for (slice, wz) in (z.first..).zip(&z.weights) {
+        for (row, wy) in (y.first..).zip(&y.weights) {
+            let start = blocks[0].offset([x.first, row, slice]);
+            let weight = wy[0] * wz[0];
+            for (value, block) in values.iter_mut().zip(blocks) {
+                let along = block.values()[start..].iter().zip(&x.weights);
+                *value += weight * along.map(|(&v, w)| w[0] * f64::from(v)).sum::<f64>();
+            }
+        }
+    }
+    values
+}
+
 /// Value and derivatives, in mm along the image's axes, at a fractional index of a block of at least six voxels a side.
 pub(super) fn interpolated_jet<T: Copy + Into<f64>>(
     values: &Block<T>,
