@@ -119,6 +119,34 @@ fn objects_have_files_of_their_own() {
     assert_eq!(text(&two.stdout), "two_three.stl\ntwo_ball.stl\n");
 }
 
+/// Inputs of one name in two folders do not write over each other, nor a map over its input.
+#[test]
+fn nothing_is_written_twice_or_over_an_input() {
+    let folder = tempfile::tempdir().unwrap();
+    for sub in ["a", "b"] {
+        std::fs::create_dir(folder.path().join(sub)).unwrap();
+        let scan = format!("{sub}/scan.nii");
+        let made = run_in(folder.path(), &["phantom", "ball?radius=6", "-o", &scan]);
+        assert_eq!(made.status.code(), Some(0));
+    }
+    let both = run_in(folder.path(), &["map", "a/scan.nii", "b/scan.nii", "-o", "m.stl"]);
+    assert_eq!(text(&both.stdout), "m_a-scan.stl\nm_b-scan.stl\n", "{}", text(&both.stderr));
+
+    three_labels(folder.path());
+    let grid = run_in(folder.path(), &["map", "three.nrrd", "--label", "1,4", "--sigma", "1", "-o", "x.nii"]);
+    assert_eq!(grid.status.code(), Some(0), "{}", text(&grid.stderr));
+    std::fs::copy(folder.path().join("a/scan.nii"), folder.path().join("x_label-1.nii")).unwrap();
+    let before = std::fs::read(folder.path().join("x_label-1.nii")).unwrap();
+    let inputs = ["map", "x_label-1.nii", "three.nrrd", "--label", "1", "--sigma", "1", "-o", "x.nii"];
+    let done = run_in(folder.path(), &inputs);
+    assert_eq!(done.status.code(), Some(0), "{}", text(&done.stderr));
+    std::fs::rename(folder.path().join("three.nrrd"), folder.path().join("label-1.nrrd")).unwrap();
+    let refused =
+        run_in(folder.path(), &["map", "x_label-1.nii", "label-1.nrrd", "--label", "1", "-o", "x.nii"]);
+    assert!(text(&refused.stderr).contains("would replace an input"), "{}", text(&refused.stderr));
+    assert_eq!(std::fs::read(folder.path().join("x_label-1.nii")).unwrap(), before);
+}
+
 #[test]
 fn pictures_and_voxel_maps_of_several_kinds_are_told_apart() {
     let folder = tempfile::tempdir().unwrap();

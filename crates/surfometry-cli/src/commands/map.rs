@@ -1,7 +1,7 @@
 //! `surfometry map`.
 
 use super::{ALL_DONE, SOME_FAILED};
-use crate::inputs::expand;
+use crate::inputs::{existing, expand};
 use crate::options::MeasureOptions;
 use crate::output::{check_output, deliver, say};
 use crate::picture_options::PictureOptions;
@@ -11,8 +11,8 @@ use clap::ValueEnum;
 use std::path::{Path, PathBuf};
 use surfometry::measurement::VoxelQuantity;
 use surfometry::runs::{
-    Failure, InputError, InputObject, MapFile, MapStyle, Output, SurfaceRecord, visit_objects,
-    write_map_files,
+    Failure, InputError, InputObject, MapFile, MapStyle, Output, SurfaceRecord, distinct_parts,
+    visit_objects, with_parts, write_map_files,
 };
 
 /// Map curvature on the surface: meshes, voxel maps, pictures, distributions
@@ -108,11 +108,13 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
         pictures: args.pictures.kinds(),
         dpi_scale: args.pictures.dpi_scale(),
         voxels: args.voxels.iter().map(|v| v.quantity()).collect(),
-        inputs: inputs.len(),
+        protected: existing(&inputs),
     };
     let progress = progress_bar(inputs.len(), quiet);
     let (mut records, mut failures) = (Vec::new(), Vec::new());
-    for input in &inputs {
+    for (input, part) in inputs.iter().zip(distinct_parts(&inputs)) {
+        let files: Vec<PathBuf> =
+            targets.files.iter().map(|path| with_parts(path, part.as_slice())).collect();
         progress.set_message(input.clone());
         let mut failed = |failure: Failure| {
             progress.suspend(|| say(&failure.to_string()));
@@ -120,7 +122,7 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
         };
         let outcome = visit_objects(input, &measurement, &wanted, |source| {
             progress.set_message(format!("{input}, object {} of {}", source.number + 1, source.count));
-            let (record, error) = map_object(source, &targets, &style);
+            let (record, error) = map_object(source, &files, &style);
             records.push(record);
             // The input's other objects are mapped all the same.
             if let Some(error) = error {
@@ -151,12 +153,12 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
 /// Writes an object's files; what is known of it, and what kept the rest from being written.
 fn map_object(
     source: &InputObject,
-    targets: &Targets,
+    files: &[PathBuf],
     style: &MapStyle,
 ) -> (SurfaceRecord, Option<InputError>) {
     let surface = source.object.surface();
     let mut record = SurfaceRecord::new(source.record(), &surface);
-    for path in &targets.files {
+    for path in files {
         match write_map_files(source, &surface, path, style) {
             Ok(written) => record.files.extend(written.iter().map(|path| path.display().to_string())),
             Err(error) => return (record, Some(error)),

@@ -11,7 +11,8 @@ use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 use surfometry::Measurement;
 use surfometry::runs::{
-    Failure, InputOptions, MapFile, MapStyle, Output, Record, measure_input, visit_objects, write_map_files,
+    Failure, InputOptions, MapFile, MapStyle, Output, Record, distinct_parts, measure_input, visit_objects,
+    with_parts, write_map_files,
 };
 
 /// Measure the objects of label images
@@ -62,7 +63,7 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
     }
     let progress = progress_bar(inputs.len(), quiet);
     let (mut results, mut failures) = (Vec::new(), Vec::new());
-    for input in &inputs {
+    for (input, part) in inputs.iter().zip(distinct_parts(&inputs)) {
         progress.set_message(input.clone());
         let mut failed = |failure: Failure| {
             progress.suspend(|| say(&failure.to_string()));
@@ -81,7 +82,8 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
             Ok(records) => {
                 results.extend(records);
                 if let Some(path) = &args.png {
-                    draw(input, &measurement, &wanted, (path, inputs.len()), failed);
+                    let path = with_parts(path, part.as_slice());
+                    draw(input, &measurement, &wanted, &path, failed);
                 }
             }
             Err(error) => failed(Failure::new(input, &error)),
@@ -106,15 +108,15 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
     Ok(if output.failures.is_empty() { ALL_DONE } else { SOME_FAILED })
 }
 
-/// Draws the surfaces of an input's objects; `inputs` is how many inputs there are.
+/// Draws the surfaces of an input's objects.
 fn draw(
     input: &str,
     measurement: &Measurement,
     wanted: &InputOptions,
-    (path, inputs): (&Path, usize),
+    path: &Path,
     mut failed: impl FnMut(Failure),
 ) {
-    let style = MapStyle { inputs, ..MapStyle::default() };
+    let style = MapStyle::default();
     let outcome = visit_objects(input, measurement, wanted, |source| {
         if let Err(error) = write_map_files(source, &source.object.surface(), path, &style) {
             failed(source.failure(&error));

@@ -1,6 +1,7 @@
 //! Names of the files that several objects are written to.
 
-use std::path::{Path, PathBuf};
+use std::collections::HashSet;
+use std::path::{Component, Path, PathBuf};
 
 /// Endings of two parts, which a name is split before.
 const DOUBLE: [&str; 2] = [".nii.gz", ".surf.gii"];
@@ -20,6 +21,31 @@ pub fn input_stem(input: &str) -> String {
     }
     let name = Path::new(input).file_name().unwrap_or_default().to_string_lossy().into_owned();
     split(&name).0.to_owned()
+}
+
+/// For each input what tells its files from the others': nothing where it is the only one, its stem, or, where stems are
+/// alike, its folders as well, and a number where it is named twice.
+pub fn distinct_parts(inputs: &[String]) -> Vec<Option<String>> {
+    if inputs.len() == 1 {
+        return vec![None];
+    }
+    let stems: Vec<String> = inputs.iter().map(|input| input_stem(input)).collect();
+    let with_folders = |input: &str, stem: &str| {
+        let folders = Path::new(input).parent().filter(|_| !input.starts_with("phantom:"));
+        let names = folders.into_iter().flat_map(Path::components).filter_map(|part| match part {
+            Component::Normal(name) => Some(name.to_string_lossy().into_owned()),
+            _ => None,
+        });
+        names.chain([stem.to_owned()]).collect::<Vec<_>>().join("-")
+    };
+    let mut taken = HashSet::new();
+    let distinct = |(input, stem): (&String, &String)| {
+        let alike = stems.iter().filter(|other| *other == stem).count() > 1;
+        let name = if alike { with_folders(input, stem) } else { stem.clone() };
+        let numbered = (2..).map(|n| format!("{name}-{n}"));
+        [name.clone()].into_iter().chain(numbered).find(|name| taken.insert(name.clone()))
+    };
+    inputs.iter().zip(&stems).map(distinct).collect()
 }
 
 /// Stem and ending, the dot included.
@@ -44,6 +70,19 @@ mod tests {
         assert_eq!(with("map.NII.GZ", &["phi"]), "map_phi.NII.GZ");
         assert_eq!(with("x.surf.gii", &["label-2+3"]), "x_label-2+3.surf.gii");
         assert_eq!(with(".hidden", &["x"]), ".hidden_x");
+    }
+
+    #[test]
+    fn inputs_that_look_alike_are_told_apart() {
+        let parts = |inputs: &[&str]| -> Vec<String> {
+            let inputs: Vec<String> = inputs.iter().map(ToString::to_string).collect();
+            distinct_parts(&inputs).into_iter().map(Option::unwrap_or_default).collect()
+        };
+        assert_eq!(parts(&["a/L4.nii"]), [""]);
+        assert_eq!(parts(&["a/L4.nii", "b/L5.nii.gz"]), ["L4", "L5"]);
+        assert_eq!(parts(&["a/L4.nii", "../b/L4.nii.gz", "L4.mha"]), ["a-L4", "b-L4", "L4"]);
+        assert_eq!(parts(&["L4.nii", "L4.nii", "L4.mha"]), ["L4", "L4-2", "L4-3"]);
+        assert_eq!(parts(&["phantom:ball?radius=3", "phantom:ball?radius=4"]), ["ball", "ball-2"]);
     }
 
     #[test]

@@ -33,6 +33,12 @@ pub enum InputError {
     #[cfg(feature = "pictures")]
     #[error(transparent)]
     Picture(#[from] crate::pictures::PictureError),
+    /// A file that would replace an input.
+    #[error("{path}: the output would replace an input; choose another name", path = path.display())]
+    ReplacesInput {
+        /// The file.
+        path: PathBuf,
+    },
     /// A file that could not be written.
     #[error("{path}: cannot be written: {source}", path = path.display())]
     Write {

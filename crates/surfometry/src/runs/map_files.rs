@@ -1,6 +1,6 @@
 //! Files that show one object: meshes, voxel maps, pictures.
 
-use super::{InputError, InputObject, input_stem, with_parts};
+use super::{InputError, InputObject, with_parts};
 use crate::io::{MeshDocument, MeshFormat, write_mesh, write_voxel_map, write_whole};
 use crate::measurement::VoxelQuantity;
 use crate::pictures::{PictureKind, PictureStyle, color_scale, picture};
@@ -52,8 +52,8 @@ pub struct MapStyle {
     pub dpi_scale: f64,
     /// Quantities of voxel maps.
     pub voxels: Vec<VoxelQuantity>,
-    /// How many inputs the run has: with several, names of files tell them apart.
-    pub inputs: usize,
+    /// Files that must stay as they are: the run's inputs, canonical.
+    pub protected: Vec<PathBuf>,
 }
 
 impl Default for MapStyle {
@@ -64,14 +64,14 @@ impl Default for MapStyle {
             pictures: vec![PictureKind::Surface],
             dpi_scale: 2.0,
             voxels: vec![VoxelQuantity::MeanCurvature],
-            inputs: 1,
+            protected: Vec::new(),
         }
     }
 }
 
 /// Writes one file, or several where several pictures or quantities are asked for; their names.
 ///
-/// Where the run has several inputs, or the input several objects, `_NAME` and `_label-N` go before the ending.
+/// Where the input has several objects, `_label-N` goes before the ending.
 ///
 /// # Errors
 /// [`InputError`].
@@ -82,7 +82,8 @@ pub fn write_map_files(
     style: &MapStyle,
 ) -> Result<Vec<PathBuf>, InputError> {
     let file = MapFile::of_path(path).ok_or(InputError::Unfit("the file's name ends in no known format"))?;
-    let path = with_parts(path, &object_parts(source, style.inputs));
+    let label = source.label.as_ref().filter(|_| source.count > 1).map(|label| format!("label-{label}"));
+    let path = with_parts(path, label.as_slice());
     match file {
         // Voxel maps show what is there instead.
         MapFile::Mesh(_) | MapFile::Png | MapFile::Svg if surface.is_empty() => Err(InputError::NoSurface),
@@ -92,11 +93,10 @@ pub fn write_map_files(
     }
 }
 
-/// What a run's file names have to tell apart.
-fn object_parts(source: &InputObject, inputs: usize) -> Vec<String> {
-    let input = (inputs > 1).then(|| input_stem(source.input));
-    let label = source.label.as_ref().filter(|_| source.count > 1).map(|label| format!("label-{label}"));
-    input.into_iter().chain(label).collect()
+/// Refuses a file that would replace an input.
+fn spare_inputs(path: &Path, style: &MapStyle) -> Result<(), InputError> {
+    let replaces = path.canonicalize().is_ok_and(|path| style.protected.contains(&path));
+    if replaces { Err(InputError::ReplacesInput { path: path.to_owned() }) } else { Ok(()) }
 }
 
 fn mesh_files(
@@ -105,6 +105,7 @@ fn mesh_files(
     path: &Path,
     style: &MapStyle,
 ) -> Result<Vec<PathBuf>, InputError> {
+    spare_inputs(path, style)?;
     let PictureStyle { quantity, limit, .. } = style.picture;
     let scale = color_scale(surface, quantity, limit);
     let colors = surface.values(quantity).map(|values| scale.colors(&values));
@@ -124,6 +125,7 @@ fn voxel_files(source: &InputObject, path: &Path, style: &MapStyle) -> Result<Ve
     let write = |&quantity: &VoxelQuantity| {
         let map = source.object.voxel_map(quantity, &grid.index_box());
         let path = name(quantity);
+        spare_inputs(&path, style)?;
         write_voxel_map(&path, grid, map.values(), quantity.name()).map_err(|e| written(&path, e))?;
         Ok(path)
     };
@@ -143,6 +145,7 @@ fn picture_files(
             1 => path.to_owned(),
             _ => with_parts(path, &[kind.to_string()]),
         };
+        spare_inputs(&path, style)?;
         let figure = picture(kind, &source.object, surface, &titled)?;
         let bytes = match file {
             MapFile::Svg => figure.svg().as_bytes().to_vec(),

@@ -9,7 +9,7 @@ mod objects;
 mod output;
 mod surface_record;
 
-pub use file_names::{input_stem, with_parts};
+pub use file_names::{distinct_parts, with_parts};
 pub use flatten::{columns_of, flatten};
 pub use input::{InputError, InputOptions, LabelInput, measure_input, open_labels};
 #[cfg(feature = "pictures")]
