@@ -15,7 +15,7 @@ pub fn with_parts<S: AsRef<str>>(path: &Path, parts: &[S]) -> PathBuf {
 }
 
 /// A file's name without folders and ending, for use in other names; of a phantom, its shape's.
-pub fn input_stem(input: &str) -> String {
+fn input_stem(input: &str) -> String {
     if let Some(phantom) = input.strip_prefix("phantom:") {
         return phantom.split('?').next().unwrap_or_default().to_owned();
     }
