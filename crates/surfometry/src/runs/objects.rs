@@ -19,20 +19,22 @@ pub struct InputObject<'a> {
     pub count: usize,
     /// The object.
     pub object: Object<'a>,
+    /// Whether the image holds other labels, so that a name needs this one.
+    among_others: bool,
     truth: Option<Truth>,
     flags: &'a [Flag],
     read_seconds: f64,
 }
 
 impl InputObject<'_> {
-    /// Its name for people: the file's without its folders, and the label where there are several.
+    /// Its name for people: the file's without its folders, and the label where the image holds several.
     pub fn title(&self) -> String {
         let name = match std::path::Path::new(self.input).file_name() {
             Some(name) if !Phantom::is_spec(self.input) => name.to_string_lossy().into_owned(),
             _ => self.input.to_owned(),
         };
         match &self.label {
-            Some(label) if self.count > 1 => format!("{name}, label {label}"),
+            Some(label) if self.among_others => format!("{name}, label {label}"),
             _ => name,
         }
     }
@@ -72,6 +74,7 @@ pub fn visit_objects(
             label: None,
             number: 0,
             count: 1,
+            among_others: false,
             object: measurement.prepare_field(&source.field)?,
             truth: None,
             flags: &source.flags,
@@ -88,6 +91,7 @@ pub fn visit_objects(
             label: Some(label),
             number,
             count,
+            among_others: source.image.summaries().len() > 1,
             object: measurement.prepare(&mask)?,
             truth: source.truth,
             flags: &source.flags,
