@@ -100,8 +100,13 @@ def numbers(text):
     return [float(word) for word in words if word.lstrip("-")[:1].isdigit()]
 
 
-def check_numbers(page, record):
-    """Six digits, or three decimals of the Euler characteristic."""
+def embedded(page):
+    """The results inside the page."""
+    return [json.loads(script.text_content()) for script in page.locator("script.result").all()]
+
+
+def check_record(page, record):
+    """In the table with six digits, of the Euler characteristic three decimals; in the page's JSON as it is."""
     keys = ["volume_mm3", "surface_area_mm2", "total_mean_curvature_mm", "average_mean_curvature_per_mm"]
     rows, topology = table(page), record["topology"]
     expected = {"blurred": record, "original": record["compensated"], "mesh of the blurred": record["mesh"]}
@@ -116,17 +121,10 @@ def check_numbers(page, record):
     both = [topology[f"euler_characteristic_voxels_{n}"] for n in [26, 6]]
     assert numbers(rows["voxels"][4]) == both
 
-
-def embedded(page):
-    """The results inside the page."""
-    texts = page.locator("script.result").all()
-    return [json.loads(text.text_content()) for text in texts]
-
-
-def check_embedded(found, record):
-    """The measured record, with the surface's own results beside it; times differ from run to run."""
-    times = {"read_seconds", "seconds"}
-    assert {k: v for k, v in record.items() if k not in times} == {k: found.get(k) for k in record.keys() - times}
+    (found,) = embedded(page)
+    # Times differ from run to run.
+    kept = record.keys() - {"read_seconds", "seconds"}
+    assert {key: found.get(key) for key in kept} == {key: record[key] for key in kept}
     means = {d["name"]: d["by_area"]["mean"] for d in found["distributions"]}
     assert means["mean_curvature_per_mm"] == pytest.approx(record["average_mean_curvature_per_mm"], rel=0.05)
 
@@ -135,7 +133,7 @@ def test_a_torus_has_its_exact_values_beside_and_is_colored_as_chosen(show):
     page = show(TORUS)
     (record,) = measure(TORUS)
     assert "truth" in record
-    check_numbers(page, record)
+    check_record(page, record)
     # H is positive all around.
     until(lambda: shares(page)[0] > 0.05)
     assert shares(page)[1] < 0.001
@@ -150,9 +148,7 @@ def test_a_torus_has_its_exact_values_beside_and_is_colored_as_chosen(show):
 def test_the_page_says_what_was_measured(show):
     page = show(L4)
     (record,) = measure(L4)
-    check_numbers(page, record)
-    (found,) = embedded(page)
-    check_embedded(found, record)
+    check_record(page, record)
     # Ridges and hollows.
     until(lambda: shares(page)[0] > 0.02)
     assert shares(page)[1] > 0

@@ -84,15 +84,14 @@ pub fn picture(
     surface: &Surface,
     style: &PictureStyle,
 ) -> Result<Figure, PictureError> {
-    let (scale, caption) = (color_scale(surface, style.quantity, style.limit), caption(object));
+    let scale = color_scale(surface, style.quantity, style.limit);
     match kind {
-        PictureKind::Surface => surface_figure(surface, style, scale, &caption),
-        PictureKind::Slices => slices_figure(object, style, &caption),
+        PictureKind::Surface => surface_figure(surface, style, scale, &caption(object, SIGN)),
+        PictureKind::Slices => slices_figure(object, style, &caption(object, "φ < 0 inside.")),
         PictureKind::Histogram => {
-            let caption = format!("The outer bins hold all that lies beyond. {caption}");
-            histogram_figure(surface, style, scale, &caption)
+            histogram_figure(surface, style, scale, &caption(object, &format!("{SIGN} {OUTER_BINS}")))
         }
-        PictureKind::Volume => volume_figure(object, surface, style, &caption),
+        PictureKind::Volume => volume_figure(object, surface, style, &caption(object, SIGN)),
     }
 }
 
@@ -102,14 +101,18 @@ impl From<LocalQuantity> for Quantity<'static> {
     }
 }
 
-/// How the surface was made, as a paper's figure legend would say.
-fn caption(object: &Object) -> String {
+/// The convention without which curvature cannot be read; its words stay on one line.
+const SIGN: &str = "H\u{a0}>\u{a0}0 on a\u{a0}ball.";
+const OUTER_BINS: &str = "The outer bins hold all that lies beyond.";
+
+/// How the surface was made, as a paper's figure legend would say, and what has to be known of the picture.
+fn caption(object: &Object, remark: &str) -> String {
     let parameters = object.parameters();
     let how = match (parameters.sigma_mm, parameters.level) {
         (Some(sigma), Some(level)) => format!("Gaussian blur, sigma {} mm, level {level}", rounded(sigma)),
         _ => format!("{:?} embedding", parameters.embedding),
     };
-    format!("{how}. H > 0 on a ball. surfometry {}", env!("CARGO_PKG_VERSION"))
+    format!("{how}. {remark} surfometry {}", env!("CARGO_PKG_VERSION"))
 }
 
 /// Four significant digits, without zeros at the end.
