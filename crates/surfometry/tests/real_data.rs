@@ -184,7 +184,7 @@ fn surfaces_of_real_objects_are_closed() {
         );
         assert!(mesh.is_closed() && mesh.euler_characteristic() == chi && chi % 2 == 0, "{name}");
         assert!((-0.03..0.0).contains(&volume), "{name}: {volume}");
-        assert_eq!(surface.vertices_without_normal, 0, "{name}");
+        assert_eq!(surface.vertices_without_normal(), 0, "{name}");
     }
 }
 

@@ -33,9 +33,13 @@ impl Band {
     /// where the gradient has collapsed.
     pub fn element(&self, jet: &Jet) -> Option<(f64, Curvature)> {
         let gradient = jet.gradient_magnitude();
-        if !gradient.is_finite() || gradient < self.minimum_gradient {
-            return None;
-        }
-        Curvature::of(jet).map(|curvature| (self.delta.delta(jet.value) * gradient, curvature))
+        self.curvature(jet).map(|curvature| (self.delta.delta(jet.value) * gradient, curvature))
+    }
+
+    /// The curvature at a point of the surface; `None` where the gradient has collapsed.
+    pub fn curvature(&self, jet: &Jet) -> Option<Curvature> {
+        let gradient = jet.gradient_magnitude();
+        let stands = gradient.is_finite() && gradient >= self.minimum_gradient;
+        Curvature::of(jet).filter(|_| stands)
     }
 }

@@ -125,7 +125,7 @@ impl Object<'_> {
     /// The surface phi = 0 with the geometry at its vertices; empty where the blur left nothing.
     pub fn surface(&self) -> Surface {
         let shift = self.parameters.compensable_sigma();
-        self.scheme.as_ref().map(|scheme| scheme.surface(self.grid(), shift)).unwrap_or_default()
+        self.scheme.as_ref().map(|scheme| scheme.surface(self.grid(), &self.band, shift)).unwrap_or_default()
     }
 
     /// All numbers.

@@ -72,8 +72,8 @@ impl<'a> Scheme<'a> {
     }
 
     /// `shift_sigma` is the blur whose shift is told at each vertex, where that is defined.
-    pub(super) fn surface(&self, grid: &Grid, shift_sigma: Option<f64>) -> Surface {
-        with_scheme!(self, s => Surface::of(s.embedding(), s, grid, shift_sigma))
+    pub(super) fn surface(&self, grid: &Grid, band: &Band, shift_sigma: Option<f64>) -> Surface {
+        with_scheme!(self, s => Surface::of(s.embedding(), s, grid, band, shift_sigma))
     }
 
     pub(super) fn differentiation(&self) -> &dyn Differentiation {

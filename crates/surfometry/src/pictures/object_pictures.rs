@@ -6,7 +6,7 @@ use super::{
     SlicePicture, SurfacePicture, View, VolumeRendering,
 };
 use crate::measurement::{Object, VoxelQuantity};
-use crate::surface::{Distribution, LocalQuantity, Surface};
+use crate::surface::{LocalQuantity, Surface};
 use crate::tiling::IndexBox;
 use crate::volume::Affine;
 use std::fmt;
@@ -152,8 +152,8 @@ fn histogram_figure(
     scale: ColorScale,
     caption: &str,
 ) -> Result<Figure, PictureError> {
-    let values = values(surface, style.quantity)?;
-    let distribution = Distribution::of(style.quantity.name(), &values, &surface.mesh.vertex_areas());
+    values(surface, style.quantity)?;
+    let distribution = surface.distribution(style.quantity);
     let series = distribution.as_ref().map_or_else(Vec::new, |d| {
         let one = |name, weights, moments: &crate::surface::Moments| HistogramSeries {
             name,

@@ -1,6 +1,7 @@
 //! What is written of a surface besides its files.
 
 use super::Record;
+use crate::accuracy::{Flag, FlagCode};
 use crate::surface::{CurvatureSummary, Distribution, QUANTILES, Surface};
 use serde::Serialize;
 
@@ -19,7 +20,7 @@ pub struct SurfaceRecord {
     pub quantiles: [f64; QUANTILES.len()],
     /// One a quantity.
     pub distributions: Vec<Distribution>,
-    /// Vertices without a normal, whose curvature counts as 0.
+    /// Vertices where the field's gradient has collapsed: their curvature is given as 0, and distributions leave them out.
     pub vertices_without_normal: u64,
     /// The files that were written.
     pub files: Vec<String>,
@@ -27,13 +28,22 @@ pub struct SurfaceRecord {
 
 impl SurfaceRecord {
     /// Of a surface and its results.
-    pub fn new(record: Record, surface: &Surface) -> Self {
+    pub fn new(mut record: Record, surface: &Surface) -> Self {
+        let vertices_without_normal = surface.vertices_without_normal();
+        if vertices_without_normal > 0 {
+            let message = format!(
+                "the gradient has collapsed at {vertices_without_normal} of the surface's {} vertices: their curvature is given \
+                 as 0, and distributions leave them out",
+                surface.vertices.len()
+            );
+            record.measured.flags.push(Flag::new(FlagCode::VanishingGradient, message));
+        }
         Self {
             record,
             curvature: surface.curvature_summary(),
             quantiles: QUANTILES,
             distributions: surface.distributions(),
-            vertices_without_normal: surface.vertices_without_normal,
+            vertices_without_normal,
             files: Vec::new(),
         }
     }

@@ -74,6 +74,23 @@ impl Mesh {
         }
         areas
     }
+
+    /// Unit normals at the vertices: means of the triangles' around, weighted by area. Along x where they cancel.
+    pub fn vertex_normals(&self) -> Vec<[f64; 3]> {
+        let mut normals = vec![[0.0; 3]; self.vertices.len()];
+        for &triangle in &self.triangles {
+            let [a, b, c] = self.corners(triangle);
+            let across = cross(minus(b, a), minus(c, a));
+            for v in triangle {
+                normals[v as usize] = std::array::from_fn(|i| normals[v as usize][i] + across[i]);
+            }
+        }
+        let unit = |v: [f64; 3]| {
+            let length = length(v);
+            if length > 0.0 { v.map(|c| c / length) } else { [1.0, 0.0, 0.0] }
+        };
+        normals.into_iter().map(unit).collect()
+    }
 }
 
 /// Area of a triangle.
@@ -120,6 +137,8 @@ mod tests {
         assert!((mesh.vertex_areas().iter().sum::<f64>() - mesh.area()).abs() < 1e-12);
         assert_eq!(mesh.euler_characteristic(), 2);
         assert!(mesh.is_closed());
+        let normal = mesh.vertex_normals()[0];
+        assert!(normal.iter().all(|n| (n + 3f64.sqrt().recip()).abs() < 1e-12), "{normal:?}");
         let open = Mesh { triangles: mesh.triangles[1..].to_vec(), ..mesh.clone() };
         assert!(!open.is_closed());
         assert_eq!(open.euler_characteristic(), 1);

@@ -4,7 +4,8 @@ use super::isosurface::{SurfaceTiles, stitched};
 use super::tile_mesh::TileMesh;
 use super::{CurvatureSummary, Distribution, LocalQuantity, Mesh, VertexArray, VertexGeometry};
 use crate::embedding::Embedding;
-use crate::local_geometry::{Curvature, Differentiation, Jet};
+use crate::integrals::Band;
+use crate::local_geometry::{Differentiation, Jet};
 use crate::tiling::IndexBox;
 use crate::volume::Grid;
 use rayon::prelude::*;
@@ -16,35 +17,51 @@ pub struct Surface {
     pub mesh: Mesh,
     /// One a vertex.
     pub vertices: Vec<VertexGeometry>,
-    /// Vertices where the field's gradient vanishes; their curvature is given as 0 and their normal as that of a neighbour
-    /// in memory.
-    pub vertices_without_normal: u64,
 }
 
 impl Surface {
     /// Extracts the surface of an embedding and differentiates it at the vertices, tile by tile, in parallel.
     ///
-    /// `shift_sigma` is the blur that moved the surface by -sigma^2 H (FACTS: to first order), where that is defined.
-    pub fn of<E: Embedding, D: Differentiation>(
+    /// `band` says where the gradient has collapsed; `shift_sigma` is the blur that moved the surface by -sigma^2 H (to first
+    /// order), where that is defined.
+    pub(crate) fn of<E: Embedding, D: Differentiation>(
         embedding: &E,
         derivatives: &D,
         grid: &Grid,
+        band: &Band,
         shift_sigma: Option<f64>,
     ) -> Self {
         let tiles = SurfaceTiles::of(embedding);
+        let geometry_at = |jet: &Jet| {
+            let curvature = band.curvature(jet)?;
+            let displacement = shift_sigma.map(|sigma| -sigma * sigma * curvature.mean);
+            Some(VertexGeometry::of(jet, curvature, displacement, grid))
+        };
         let part = |tile: &IndexBox| {
             let mesh = tiles.mesh(tile);
-            let geometry: Vec<_> = derivatives
-                .jets_at(&mesh.own_positions())
-                .iter()
-                .map(|jet| vertex_geometry(jet, shift_sigma, grid))
-                .collect();
-            (mesh, geometry)
+            let jets = derivatives.jets_at(&mesh.own_positions());
+            (mesh, jets.iter().map(geometry_at).collect::<Vec<_>>())
         };
         let (meshes, geometry): (Vec<TileMesh>, Vec<_>) = tiles.boxes.par_iter().map(part).unzip();
-        let geometry = geometry.concat();
-        let vertices_without_normal = geometry.iter().filter(|g| g.is_none()).count() as u64;
-        Self { mesh: stitched(meshes, grid), vertices: filled(geometry), vertices_without_normal }
+        let mesh = stitched(meshes, grid);
+        let vertices = completed(&mesh, geometry.concat(), shift_sigma.map(|_| 0.0));
+        Self { mesh, vertices }
+    }
+
+    /// Vertices where the field's gradient has collapsed.
+    pub fn vertices_without_normal(&self) -> u64 {
+        self.vertices.iter().filter(|vertex| !vertex.has_normal).count() as u64
+    }
+
+    /// The area that each vertex stands for, mm^2: 0 where it has no curvature.
+    fn weights(&self) -> Vec<f64> {
+        let mut areas = self.mesh.vertex_areas();
+        for (area, vertex) in areas.iter_mut().zip(&self.vertices) {
+            if !vertex.has_normal {
+                *area = 0.0;
+            }
+        }
+        areas
     }
 
     /// Whether there is no surface.
@@ -64,30 +81,38 @@ impl Surface {
 
     /// Distributions of all quantities, by area and by vertex.
     pub fn distributions(&self) -> Vec<Distribution> {
-        let areas = self.mesh.vertex_areas();
-        let of = |quantity: LocalQuantity| Distribution::of(quantity.name(), &self.values(quantity)?, &areas);
-        LocalQuantity::ALL.into_iter().filter_map(of).collect()
+        LocalQuantity::ALL.into_iter().filter_map(|quantity| self.distribution(quantity)).collect()
+    }
+
+    /// Distribution of one quantity, without the vertices whose gradient has collapsed; `None` where it is not defined, or
+    /// nothing is left.
+    pub fn distribution(&self, quantity: LocalQuantity) -> Option<Distribution> {
+        let kept = |(vertex, area): (&VertexGeometry, f64)| {
+            if vertex.has_normal { Some((quantity.at(vertex)?, area)) } else { None }
+        };
+        let (values, areas): (Vec<f64>, Vec<f64>) =
+            self.vertices.iter().zip(self.weights()).filter_map(kept).unzip();
+        Distribution::of(quantity.name(), &values, &areas)
     }
 
     /// The surface's curvature in a few numbers; `None` where there is no surface.
     pub fn curvature_summary(&self) -> Option<CurvatureSummary> {
-        CurvatureSummary::of(&self.vertices, &self.mesh.vertex_areas())
+        CurvatureSummary::of(&self.vertices, &self.weights())
     }
 }
 
-fn vertex_geometry(jet: &Jet, shift_sigma: Option<f64>, grid: &Grid) -> Option<VertexGeometry> {
-    let displacement = |sigma: f64| Some(-sigma * sigma * Curvature::of(jet)?.mean);
-    VertexGeometry::of(jet, shift_sigma.and_then(displacement), grid)
-}
-
-/// Replaces what is missing by a flat piece with the normal of the vertex before.
-fn filled(geometry: Vec<Option<VertexGeometry>>) -> Vec<VertexGeometry> {
-    let mut last = geometry.iter().flatten().next().copied();
-    let flat = Curvature { mean: 0.0, gaussian: 0.0 };
-    let mut vertices = Vec::with_capacity(geometry.len());
-    for vertex in geometry {
-        last = vertex.or(last.map(|g| VertexGeometry { curvature: flat, ..g }));
-        vertices.extend(last);
+/// Gives vertices whose gradient has collapsed the mean normal of their triangles.
+fn completed(
+    mesh: &Mesh,
+    geometry: Vec<Option<VertexGeometry>>,
+    displacement: Option<f64>,
+) -> Vec<VertexGeometry> {
+    if geometry.iter().all(Option::is_some) {
+        return geometry.into_iter().flatten().collect();
     }
-    vertices
+    let normals = mesh.vertex_normals();
+    let complete = |(vertex, normal): (Option<VertexGeometry>, [f64; 3])| {
+        vertex.unwrap_or_else(|| VertexGeometry::collapsed(normal, displacement))
+    };
+    geometry.into_iter().zip(normals).map(complete).collect()
 }

@@ -9,9 +9,9 @@ use std::f64::consts::FRAC_2_PI;
 /// What is known at a vertex; vectors are unit vectors of the world (RAS).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct VertexGeometry {
-    /// grad phi / |grad phi|, outward.
+    /// grad phi / |grad phi|, outward; where the gradient has collapsed, the mean normal of the triangles around.
     pub normal: [f64; 3],
-    /// H and K.
+    /// H and K; 0 where the gradient has collapsed.
     pub curvature: Curvature,
     /// Direction of k1, the larger principal curvature. Its sign has no meaning, and at an umbilic nor has it itself.
     pub direction_1: [f64; 3],
@@ -19,6 +19,9 @@ pub struct VertexGeometry {
     pub direction_2: [f64; 3],
     /// How far the blur moved the surface here, mm, positive outward: about -sigma^2 H. `None` where that is not defined.
     pub displacement: Option<f64>,
+    /// Whether the field has a gradient that a surface would have. Where it has collapsed, as half-way through parts that the blur
+    /// nearly removed, curvature says nothing, and distributions leave the vertex out.
+    pub has_normal: bool,
 }
 
 /// An array of vectors: name and value.
@@ -28,20 +31,28 @@ const DIRECTION_ARRAYS: [DirectionArray; 3] =
     [("normal", |g| g.normal), ("direction_1", |g| g.direction_1), ("direction_2", |g| g.direction_2)];
 
 impl VertexGeometry {
-    /// From the field's derivatives along the image's axes; `None` where the level set has no normal.
-    pub fn of(jet: &Jet, displacement: Option<f64>, grid: &Grid) -> Option<Self> {
-        let curvature = Curvature::of(jet)?;
+    /// From the field's derivatives along the image's axes, and the curvature that follows from them.
+    pub(super) fn of(jet: &Jet, curvature: Curvature, displacement: Option<f64>, grid: &Grid) -> Self {
         let magnitude = jet.gradient_magnitude();
         let normal = jet.gradient.map(|g| g / magnitude);
         let [direction_1, direction_2] = principal_directions(jet, normal);
         let world = |v| to_world(v, grid);
-        Some(Self {
+        Self {
             normal: world(normal),
             curvature,
             direction_1: world(direction_1),
             direction_2: world(direction_2),
             displacement,
-        })
+            has_normal: true,
+        }
+    }
+
+    /// Where the gradient has collapsed: flat, with a normal from elsewhere.
+    pub(super) fn collapsed(normal: [f64; 3], displacement: Option<f64>) -> Self {
+        let direction_1 = tangent(normal);
+        let curvature = Curvature { mean: 0.0, gaussian: 0.0 };
+        let direction_2 = cross(normal, direction_1);
+        Self { normal, curvature, direction_1, direction_2, displacement, has_normal: false }
     }
 
     /// Named columns of many vertices (DESIGN.md 4). A number that any vertex lacks is left out.
@@ -55,8 +66,11 @@ impl VertexGeometry {
             values.map(|v| VertexArray { name: quantity.name(), values: VertexValues::Scalar(v) })
         };
         let [normal, directions @ ..] = DIRECTION_ARRAYS.map(vector);
-        let scalars = LocalQuantity::ALL.into_iter().filter_map(scalar);
-        [normal].into_iter().chain(scalars).chain(directions).collect()
+        let mut arrays: Vec<VertexArray> = LocalQuantity::ALL.into_iter().filter_map(scalar).collect();
+        // In the contract's order: H, K, k1, k2, then directions.
+        arrays.splice(4..4, directions);
+        arrays.insert(0, normal);
+        arrays
     }
 }
 
@@ -73,17 +87,22 @@ fn to_world(v: [f64; 3], grid: &Grid) -> [f64; 3] {
 fn principal_directions(jet: &Jet, normal: [f64; 3]) -> [[f64; 3]; 2] {
     let [xx, yy, zz, xy, xz, yz] = jet.hessian;
     let hessian = [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]];
-    // The axis that the normal is farthest from gives a basis without cancellation.
-    let farthest = (0..3).fold(0, |best, a| if normal[a].abs() < normal[best].abs() { a } else { best });
-    let mut axis = [0.0; 3];
-    axis[farthest] = 1.0;
-    let u = unit(cross(normal, axis));
+    let u = tangent(normal);
     let v = cross(normal, u);
     let along = |p: [f64; 3], q: [f64; 3]| dot(p, hessian.map(|row| dot(row, q)));
     let angle = 0.5 * libm::atan2(2.0 * along(u, v), along(u, u) - along(v, v));
     let (sin, cos) = libm::sincos(angle);
     let first: [f64; 3] = std::array::from_fn(|i| cos * u[i] + sin * v[i]);
     [first, cross(normal, first)]
+}
+
+/// A unit vector across a normal.
+fn tangent(normal: [f64; 3]) -> [f64; 3] {
+    // The axis that the normal is farthest from gives one without cancellation.
+    let farthest = (0..3).fold(0, |best, a| if normal[a].abs() < normal[best].abs() { a } else { best });
+    let mut axis = [0.0; 3];
+    axis[farthest] = 1.0;
+    unit(cross(normal, axis))
 }
 
 fn unit(v: [f64; 3]) -> [f64; 3] {
@@ -141,7 +160,7 @@ mod tests {
         let hessian = [second(0, 0), second(1, 1), second(2, 2), second(0, 1), second(0, 2), second(1, 2)];
         let jet = Jet { value: 0.0, gradient: point.map(|p| 0.5 * p), hessian };
         let grid = Grid::axis_aligned([4; 3], [1.0; 3]).unwrap();
-        let geometry = VertexGeometry::of(&jet, None, &grid).unwrap();
+        let geometry = VertexGeometry::of(&jet, Curvature::of(&jet).unwrap(), None, &grid);
         let [k1, k2] = geometry.curvature.principal();
         assert!((k1 - 0.5).abs() < 1e-12 && k2.abs() < 1e-12);
         assert!((dot(geometry.direction_2, axis).abs() - 1.0).abs() < 1e-12);
