@@ -1,15 +1,19 @@
 //! Inputs as typed, with patterns expanded where the shell did not.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// Files that a pattern names, in order of name; anything else stands for itself.
 pub(crate) fn expand(inputs: &[String]) -> Vec<String> {
     inputs.iter().flat_map(|input| matches(input).unwrap_or_else(|| vec![input.clone()])).collect()
 }
 
-/// The files among them, canonical.
-pub(crate) fn existing(inputs: &[String]) -> Vec<PathBuf> {
-    inputs.iter().filter_map(|input| Path::new(input).canonicalize().ok()).collect()
+/// Labels beyond which a file is more likely a grey image.
+const MANY_LABELS: usize = 1000;
+
+/// Says so, before an hour goes by.
+pub(crate) fn grey_image_warning(input: &str, labels: usize) -> Option<String> {
+    (labels > MANY_LABELS)
+        .then(|| format!("{input}: {labels} labels; if this is a grey image, threshold it first"))
 }
 
 fn matches(input: &str) -> Option<Vec<String>> {

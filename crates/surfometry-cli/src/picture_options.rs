@@ -82,11 +82,22 @@ impl PictureOptions {
             PictureOption::Histogram => PictureKind::Histogram,
             PictureOption::Volume => PictureKind::Volume,
         };
-        self.picture.iter().map(kind).collect()
+        distinct(self.picture.iter().map(kind))
     }
 
     /// Pixels a picture unit.
     pub(crate) fn dpi_scale(&self) -> f64 {
         f64::from(self.dpi) / 96.0
     }
+}
+
+/// Each value once, in the order of first appearance.
+pub(crate) fn distinct<T: PartialEq>(values: impl Iterator<Item = T>) -> Vec<T> {
+    let mut kept = Vec::new();
+    for value in values {
+        if !kept.contains(&value) {
+            kept.push(value);
+        }
+    }
+    kept
 }

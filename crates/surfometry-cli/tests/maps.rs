@@ -145,6 +145,72 @@ fn nothing_is_written_twice_or_over_an_input() {
     assert_eq!(std::fs::read(folder.path().join("x_label-1.nii")).unwrap(), before);
 }
 
+/// Two objects that come to one name: the second is refused, and the first stays.
+#[test]
+fn no_output_takes_anothers_place() {
+    let folder = tempfile::tempdir().unwrap();
+    three_labels(folder.path());
+    std::fs::rename(folder.path().join("three.nrrd"), folder.path().join("a.nrrd")).unwrap();
+    let made = run_in(folder.path(), &["phantom", "ball?radius=6", "-o", "a_label-1.nii"]);
+    assert_eq!(made.status.code(), Some(0));
+    let inputs = ["map", "a.nrrd", "a_label-1.nii", "--label", "all", "--sigma", "1", "-o", "o.csv"];
+    let done = run_in(folder.path(), &inputs);
+    assert_eq!(done.status.code(), Some(1));
+    let said = text(&done.stderr);
+    assert!(said.contains("another output of this run has that name already"), "{said}");
+    let twice = run_in(folder.path(), &["map", BALL, "-o", "z.ply", "-o", "z.ply"]);
+    assert_eq!(twice.status.code(), Some(2));
+    let kinds = run_in(folder.path(), &["map", BALL, "--png", "p.png", "--picture", "slices,slices"]);
+    assert_eq!(text(&kinds.stdout), "p.png\n");
+    let gifti = run_in(folder.path(), &["map", BALL, "-o", "g.surf.gii", "-o", "g.gii"]);
+    assert_eq!(gifti.status.code(), Some(1));
+    let both = run_in(folder.path(), &["measure", BALL, "-o", "b.png", "--png", "b.png"]);
+    assert_eq!(both.status.code(), Some(2));
+}
+
+/// What the blur removes has no mesh, but its numbers, and the files that can be, are there whatever the order of the options.
+#[test]
+fn one_file_that_cannot_be_keeps_no_other_from_being() {
+    let folder = tempfile::tempdir().unwrap();
+    let vanishing = ["map", "phantom:ball?radius=4.3", "--sigma", "3"];
+    for outputs in [["v.ply", "v.nii"], ["w.nii", "w.ply"]] {
+        let args = [&vanishing[..], &["-o", outputs[0], "-o", outputs[1], "--voxels", "phi"]].concat();
+        let done = run_in(folder.path(), &args);
+        assert_eq!(done.status.code(), Some(1), "{}", text(&done.stderr));
+        assert!(text(&done.stdout).ends_with(".nii\n"), "{}", text(&done.stdout));
+        assert_eq!(text(&done.stderr).matches("nothing is left").count(), 2, "{}", text(&done.stderr));
+    }
+    // Of an object that was measured, the missing picture is no failed input.
+    let done =
+        run_in(folder.path(), &["measure", "phantom:ball?radius=3", "--sigma", "10", "--png", "n.png"]);
+    assert_eq!(done.status.code(), Some(0), "{}", text(&done.stderr));
+    assert!(!text(&done.stdout).contains("not measured") && !folder.path().join("n.png").exists());
+}
+
+#[test]
+fn a_map_warns_as_a_measurement_does() {
+    let folder = tempfile::tempdir().unwrap();
+    let thick = "phantom:ball?radius=20&spacing=0.5,0.5,5";
+    let done = run_in(folder.path(), &["map", thick, "-o", "t.csv"]);
+    assert_eq!(done.status.code(), Some(0));
+    let said = text(&done.stderr);
+    assert!(said.contains("! thick-slices") && said.contains("! sigma-below-spacing"), "{said}");
+    assert!(run_in(folder.path(), &["map", thick, "-o", "u.csv", "--quiet"]).stderr.is_empty());
+}
+
+#[test]
+fn the_ending_of_a_result_chooses_its_form() {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, start) in [("r.json", "{"), ("r.csv", "input,label"), ("r.txt", "phantom:ball")] {
+        assert_eq!(run_in(folder.path(), &["measure", BALL, "-o", name]).status.code(), Some(0));
+        let written = std::fs::read_to_string(folder.path().join(name)).unwrap();
+        assert!(written.starts_with(start), "{name}: {written}");
+    }
+    let told = run_in(folder.path(), &["measure", BALL, "-o", "s.csv", "--format", "table"]);
+    assert_eq!(told.status.code(), Some(0));
+    assert!(std::fs::read_to_string(folder.path().join("s.csv")).unwrap().starts_with("phantom:ball"));
+}
+
 #[test]
 fn pictures_and_voxel_maps_of_several_kinds_are_told_apart() {
     let folder = tempfile::tempdir().unwrap();
@@ -217,4 +283,7 @@ fn a_report_lists_what_failed() {
     assert!(page.contains("A &amp; B") && page.contains("missing.nii") && page.contains("No such file"));
     assert!(page.contains("surfometry report") && page.contains("id=\"scene-1\""));
     assert!(done.stdout.is_empty());
+    let nothing = run_in(folder.path(), &["report", "missing.nii", "-o", "empty.html"]);
+    assert_eq!(nothing.status.code(), Some(1));
+    assert!(text(&nothing.stderr).contains("nothing to show") && !folder.path().join("empty.html").exists());
 }

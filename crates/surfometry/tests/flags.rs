@@ -33,6 +33,11 @@ fn the_band_against_the_mesh() {
     let excess = |m: &Measured| m.surface_area_mm2.unwrap() / m.mesh.surface_area_mm2.unwrap() - 1.0;
     assert!(raised(&small, "band-differs-from-mesh") && excess(&small) > 0.05, "{}", excess(&small));
     assert!(!raised(&large, "band-differs-from-mesh") && excess(&large).abs() < 2e-3, "{}", excess(&large));
+    // One cause, one flag: a band too thin for the slices is that, and not a matter of thin parts.
+    let undersampled = ball(20.0, [0.5, 0.5, 5.0], &m);
+    assert!(
+        raised(&undersampled, "thickness-below-spacing") && !raised(&undersampled, "band-differs-from-mesh")
+    );
 }
 
 #[test]

@@ -1,17 +1,17 @@
 //! `surfometry map`.
 
 use super::{ALL_DONE, SOME_FAILED};
-use crate::inputs::{existing, expand};
+use crate::inputs::{expand, grey_image_warning};
 use crate::options::MeasureOptions;
-use crate::output::{check_output, deliver, say};
-use crate::picture_options::PictureOptions;
+use crate::output::{check_output, deliver, flags_text, say};
+use crate::picture_options::{PictureOptions, distinct};
 use crate::progress::progress_bar;
 use anyhow::{Result, bail};
 use clap::ValueEnum;
 use std::path::{Path, PathBuf};
 use surfometry::measurement::VoxelQuantity;
 use surfometry::runs::{
-    Failure, InputError, InputObject, MapFile, MapStyle, Output, SurfaceRecord, distinct_parts,
+    Failure, FileLedger, InputObject, MapFile, MapStyle, Output, SurfaceRecord, distinct_parts,
     visit_objects, with_parts, write_map_files,
 };
 
@@ -85,6 +85,10 @@ impl Targets {
         for path in documents.iter().chain(&files) {
             check_output(Some(path), inputs)?;
         }
+        let all: Vec<&PathBuf> = documents.iter().chain(&files).collect();
+        if let Some(twice) = all.iter().enumerate().find(|(i, path)| all[..*i].contains(path)) {
+            bail!("{}: named twice", twice.1.display());
+        }
         match files.iter().find(|path| MapFile::of_path(path).is_none()) {
             Some(path) => {
                 bail!("{}: the name must end in one of {}, .json", path.display(), MapFile::EXTENSIONS)
@@ -107,62 +111,79 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
         picture: args.pictures.style(),
         pictures: args.pictures.kinds(),
         dpi_scale: args.pictures.dpi_scale(),
-        voxels: args.voxels.iter().map(|v| v.quantity()).collect(),
-        protected: existing(&inputs),
+        voxels: distinct(args.voxels.iter().map(|v| v.quantity())),
     };
     let progress = progress_bar(inputs.len(), quiet);
-    let (mut records, mut failures) = (Vec::new(), Vec::new());
+    let mut run = Run { style, ledger: FileLedger::new(&inputs), records: Vec::new(), failures: Vec::new() };
     for (input, part) in inputs.iter().zip(distinct_parts(&inputs)) {
-        let files: Vec<PathBuf> =
-            targets.files.iter().map(|path| with_parts(path, part.as_slice())).collect();
+        let files: Vec<PathBuf> = targets.files.iter().map(|p| with_parts(p, part.as_slice())).collect();
         progress.set_message(input.clone());
-        let mut failed = |failure: Failure| {
-            progress.suspend(|| say(&failure.to_string()));
-            failures.push(failure);
-        };
         let outcome = visit_objects(input, &measurement, &wanted, |source| {
             progress.set_message(format!("{input}, object {} of {}", source.number + 1, source.count));
-            let (record, error) = map_object(source, &files, &style);
-            records.push(record);
-            // The input's other objects are mapped all the same.
-            if let Some(error) = error {
-                failed(source.failure(&error));
+            if let Some(warning) = grey_image_warning(input, source.count).filter(|_| source.number == 0) {
+                progress.suspend(|| say(&warning));
             }
+            run.map_object(source, &files);
             Ok(())
         });
         if let Err(error) = outcome {
-            failed(Failure::new(input, &error));
+            run.failures.push(Failure::new(input, &error));
         }
         progress.inc(1);
     }
     progress.finish_and_clear();
-    let status = if failures.is_empty() { ALL_DONE } else { SOME_FAILED };
-    let mut names: Vec<String> = records.iter().flat_map(|r: &SurfaceRecord| r.files.clone()).collect();
-    if !targets.documents.is_empty() {
-        let document = serde_json::to_string_pretty(&Output::of_surfaces(records, failures))? + "\n";
-        for path in &targets.documents {
-            deliver(&document, Some(path))?;
-            names.push(path.display().to_string());
-        }
-    }
-    names.push(String::new());
-    deliver(&names.join("\n"), None)?;
-    Ok(status)
+    run.conclude(&targets.documents, quiet)
 }
 
-/// Writes an object's files; what is known of it, and what kept the rest from being written.
-fn map_object(
-    source: &InputObject,
-    files: &[PathBuf],
-    style: &MapStyle,
-) -> (SurfaceRecord, Option<InputError>) {
-    let surface = source.object.surface();
-    let mut record = SurfaceRecord::new(source.record(), &surface);
-    for path in files {
-        match write_map_files(source, &surface, path, style) {
-            Ok(written) => record.files.extend(written.iter().map(|path| path.display().to_string())),
-            Err(error) => return (record, Some(error)),
+/// What a run needs and gathers.
+struct Run {
+    style: MapStyle,
+    ledger: FileLedger,
+    records: Vec<SurfaceRecord>,
+    failures: Vec<Failure>,
+}
+
+impl Run {
+    /// Writes an object's files. What cannot be written is listed, and the others are written all the same.
+    fn map_object(&mut self, source: &InputObject, files: &[PathBuf]) {
+        let mut written = Vec::new();
+        let mut errors: Vec<String> = Vec::new();
+        for path in files {
+            match write_map_files(source, path, &self.style, &mut self.ledger) {
+                Ok(paths) => written.extend(paths.iter().map(|path| path.display().to_string())),
+                // That there is no surface is said once, not for each file.
+                Err(error) if errors.contains(&error.to_string()) => {}
+                Err(error) => errors.push(error.to_string()),
+            }
         }
+        self.failures.extend(errors.iter().map(|error| source.failure(error)));
+        let record = SurfaceRecord::new(source.record(), source.surface());
+        self.records.push(SurfaceRecord { files: written, ..record });
     }
-    (record, None)
+
+    /// Says what went wrong and what to mind, writes the documents, names the files.
+    fn conclude(self, documents: &[PathBuf], quiet: bool) -> Result<u8> {
+        self.failures.iter().for_each(|failure| say(&failure.to_string()));
+        if !quiet {
+            for of_input in self.records.chunk_by(|a, b| a.record.input == b.record.input) {
+                let flags = flags_text(&of_input.iter().map(|r| &r.record).collect::<Vec<_>>());
+                if !flags.is_empty() {
+                    say(&format!("{}\n{}", of_input[0].record.input, flags.trim_end()));
+                }
+            }
+        }
+        let status = if self.failures.is_empty() { ALL_DONE } else { SOME_FAILED };
+        let mut names: Vec<String> = self.records.iter().flat_map(|r| r.files.clone()).collect();
+        if !documents.is_empty() {
+            let text =
+                serde_json::to_string_pretty(&Output::of_surfaces(self.records, self.failures))? + "\n";
+            for path in documents {
+                deliver(&text, Some(path))?;
+                names.push(path.display().to_string());
+            }
+        }
+        names.push(String::new());
+        deliver(&names.join("\n"), None)?;
+        Ok(status)
+    }
 }

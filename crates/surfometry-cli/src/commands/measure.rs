@@ -1,18 +1,19 @@
 //! `surfometry measure`.
 
 use super::{ALL_DONE, SOME_FAILED};
-use crate::inputs::expand;
+use crate::inputs::{expand, grey_image_warning};
 use crate::options::MeasureOptions;
 use crate::output::{check_output, csv_text, deliver, failures_text, json_text, say, table_text};
 use crate::progress::progress_bar;
 use anyhow::{Result, bail};
 use clap::ValueEnum;
+use std::ffi::OsStr;
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 use surfometry::Measurement;
 use surfometry::runs::{
-    Failure, InputOptions, MapFile, MapStyle, Output, Record, distinct_parts, measure_input, visit_objects,
-    with_parts, write_map_files,
+    Failure, FileLedger, InputError, InputOptions, MapFile, MapStyle, Output, Record, distinct_parts,
+    measure_input, visit_objects, with_parts, write_map_files,
 };
 
 /// Measure the objects of label images
@@ -30,9 +31,9 @@ pub(crate) struct Args {
     inputs: Vec<String>,
     #[command(flatten)]
     options: MeasureOptions,
-    /// Form of the results
-    #[arg(long, value_enum, default_value = "table")]
-    format: OutputFormat,
+    /// Form of the results [default: what the ending of -o FILE says, .json or .csv; else table]
+    #[arg(long, value_enum)]
+    format: Option<OutputFormat>,
     /// File to write instead of stdout; written whole or not at all
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
@@ -49,8 +50,16 @@ enum OutputFormat {
     Csv,
 }
 
-/// Labels beyond which a file is more likely a grey image.
-const MANY_LABELS: usize = 1000;
+impl Args {
+    fn format(&self) -> OutputFormat {
+        let ending = self.output.as_ref().and_then(|path| path.extension()).map(OsStr::to_ascii_lowercase);
+        self.format.unwrap_or_else(|| match ending.as_ref().and_then(|e| e.to_str()) {
+            Some("json") => OutputFormat::Json,
+            Some("csv") => OutputFormat::Csv,
+            _ => OutputFormat::Table,
+        })
+    }
+}
 
 pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
     let measurement = args.options.measurement()?;
@@ -58,21 +67,15 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
     let inputs = expand(&args.inputs);
     check_output(args.output.as_deref(), &inputs)?;
     check_output(args.png.as_deref(), &inputs)?;
-    if let Some(path) = args.png.as_deref().filter(|path| MapFile::of_path(path) != Some(MapFile::Png)) {
-        bail!("{}: the picture's name must end in .png", path.display());
-    }
+    check_picture(args)?;
     let progress = progress_bar(inputs.len(), quiet);
     let (mut results, mut failures) = (Vec::new(), Vec::new());
+    let (mut ledger, mut all_drawn) = (FileLedger::new(&inputs), true);
     for (input, part) in inputs.iter().zip(distinct_parts(&inputs)) {
         progress.set_message(input.clone());
-        let mut failed = |failure: Failure| {
-            progress.suspend(|| say(&failure.to_string()));
-            failures.push(failure);
-        };
         let outcome = measure_input(input, &measurement, &wanted, |done, total| {
-            if done == 0 && total > MANY_LABELS && !quiet {
-                let message = format!("{input}: {total} labels; if this is a grey image, threshold it first");
-                progress.suspend(|| say(&message));
+            if let Some(warning) = grey_image_warning(input, total).filter(|_| done == 0 && !quiet) {
+                progress.suspend(|| say(&warning));
             }
             if total > 1 {
                 progress.set_message(format!("{input}, {done} of {total} objects"));
@@ -83,10 +86,17 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
                 results.extend(records);
                 if let Some(path) = &args.png {
                     let path = with_parts(path, part.as_slice());
-                    draw(input, &measurement, &wanted, &path, failed);
+                    for failure in draw(input, &measurement, &wanted, &path, &mut ledger) {
+                        progress.suspend(|| say(&format!("no picture: {failure}")));
+                        all_drawn = false;
+                    }
                 }
             }
-            Err(error) => failed(Failure::new(input, &error)),
+            Err(error) => {
+                let failure = Failure::new(input, &error);
+                progress.suspend(|| say(&failure.to_string()));
+                failures.push(failure);
+            }
         }
         progress.inc(1);
     }
@@ -95,7 +105,7 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
         warn_of_mixed_sigma(&results);
     }
     let output = Output::new(results, failures);
-    let text = match args.format {
+    let text = match args.format() {
         // A terminal has shown the failures already.
         OutputFormat::Table if args.output.is_none() && std::io::stdout().is_terminal() => {
             table_text(&output)
@@ -105,27 +115,39 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
         OutputFormat::Csv => csv_text(&output)?,
     };
     deliver(&text, args.output.as_deref())?;
-    Ok(if output.failures.is_empty() { ALL_DONE } else { SOME_FAILED })
+    Ok(if output.failures.is_empty() && all_drawn { ALL_DONE } else { SOME_FAILED })
 }
 
-/// Draws the surfaces of an input's objects.
+fn check_picture(args: &Args) -> Result<()> {
+    let Some(path) = &args.png else { return Ok(()) };
+    if MapFile::of_path(path) != Some(MapFile::Png) {
+        bail!("{}: the picture's name must end in .png", path.display());
+    }
+    if args.output.as_ref() == Some(path) {
+        bail!("{}: named twice, for the results and for the picture", path.display());
+    }
+    Ok(())
+}
+
+/// Draws the surfaces of an input's objects; what could not be drawn. That an object has no surface is in its record, and nothing
+/// to draw.
 fn draw(
     input: &str,
     measurement: &Measurement,
     wanted: &InputOptions,
     path: &Path,
-    mut failed: impl FnMut(Failure),
-) {
-    let style = MapStyle::default();
+    ledger: &mut FileLedger,
+) -> Vec<Failure> {
+    let mut failures = Vec::new();
     let outcome = visit_objects(input, measurement, wanted, |source| {
-        if let Err(error) = write_map_files(source, &source.object.surface(), path, &style) {
-            failed(source.failure(&error));
+        match write_map_files(source, path, &MapStyle::default(), ledger) {
+            Ok(_) | Err(InputError::NoSurface) => {}
+            Err(error) => failures.push(source.failure(&error)),
         }
         Ok(())
     });
-    if let Err(error) = outcome {
-        failed(Failure::new(input, &error));
-    }
+    failures.extend(outcome.err().map(|error| Failure::new(input, &error)));
+    failures
 }
 
 /// An automatic sigma follows the spacing; numbers of images that differ in it are then not comparable.

@@ -1,14 +1,16 @@
 //! `surfometry report`.
 
 use super::{ALL_DONE, SOME_FAILED};
-use crate::inputs::expand;
+use crate::inputs::{expand, grey_image_warning};
 use crate::options::MeasureOptions;
 use crate::output::{check_output, deliver, say};
 use crate::progress::progress_bar;
 use anyhow::Result;
-use std::path::PathBuf;
+use indicatif::ProgressBar;
+use std::path::{Path, PathBuf};
+use surfometry::Measurement;
 use surfometry::io::ReadError;
-use surfometry::report::{ObjectReport, Provenance, Report, Source, render};
+use surfometry::report::{MOST_TRIANGLES, ObjectReport, Provenance, Report, Source, render};
 use surfometry::runs::{Failure, InputError, InputOptions, visit_objects};
 
 /// Write one HTML page with the numbers, the surface to turn, its distributions, slices, method and provenance
@@ -38,13 +40,8 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
     let progress = progress_bar(inputs.len(), quiet);
     let (mut objects, mut sources, mut failures) = (Vec::new(), Vec::new(), Vec::new());
     for input in &inputs {
-        progress.set_message(input.clone());
-        let mut sections = Vec::new();
-        match add_input(input, &measurement, &wanted, &mut sections) {
-            Ok(source) => {
-                sources.push(source);
-                objects.append(&mut sections);
-            }
+        match add_input(input, &measurement, &wanted, &progress, &mut objects) {
+            Ok(source) => sources.push(source),
             Err(error) => {
                 let failure = Failure::new(input, &error);
                 progress.suspend(|| say(&failure.to_string()));
@@ -54,6 +51,10 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
         progress.inc(1);
     }
     progress.finish_and_clear();
+    if objects.is_empty() {
+        say(&format!("{}: not written, for there is nothing to show", args.output.display()));
+        return Ok(SOME_FAILED);
+    }
     let status = if failures.is_empty() { ALL_DONE } else { SOME_FAILED };
     let title = args.title.clone().unwrap_or_else(|| match inputs.as_slice() {
         [one] if !one.starts_with("phantom:") => file_name(one),
@@ -67,18 +68,26 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
 }
 
 fn file_name(input: &str) -> String {
-    let name = std::path::Path::new(input).file_name();
+    let name = Path::new(input).file_name();
     name.map_or_else(|| input.to_owned(), |name| name.to_string_lossy().into_owned())
 }
 
+/// Adds a section for each object of an input.
 fn add_input(
     input: &str,
-    measurement: &surfometry::Measurement,
+    measurement: &Measurement,
     wanted: &InputOptions,
+    progress: &ProgressBar,
     sections: &mut Vec<ObjectReport>,
 ) -> Result<Source, InputError> {
-    visit_objects(input, measurement, wanted, |object| {
-        sections.push(ObjectReport::of(object)?);
+    visit_objects(input, measurement, wanted, |source| {
+        progress.set_message(format!("{input}, object {} of {}", source.number + 1, source.count));
+        if let Some(warning) = grey_image_warning(input, source.count).filter(|_| source.number == 0) {
+            progress.suspend(|| say(&warning));
+        }
+        let shown: u64 =
+            sections.iter().filter(|s| s.scene.is_some()).filter_map(ObjectReport::triangles).sum();
+        sections.push(ObjectReport::of(source, MOST_TRIANGLES.saturating_sub(shown as usize))?);
         Ok(())
     })?;
     Source::of(input).map_err(|source| ReadError::Io { path: input.into(), source }.into())

@@ -4,7 +4,7 @@ mod csv;
 mod table;
 
 pub(crate) use csv::csv_text;
-pub(crate) use table::{Layout, digits, failures_text, table_text};
+pub(crate) use table::{Layout, digits, failures_text, flags_text, table_text};
 
 use anyhow::{Context, Result, bail};
 use std::io::{ErrorKind, Write};

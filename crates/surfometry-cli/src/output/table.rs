@@ -26,24 +26,15 @@ impl Layout {
     }
 }
 
-const COLUMNS: [&str; 9] = [
-    "label",
-    "surface",
-    "volume mm³",
-    "area mm²",
-    "total H mm",
-    "mean H 1/mm",
-    "chi",
-    "chi mesh",
-    "chi voxels",
-];
+const COLUMNS: [&str; 8] =
+    ["label", "surface", "volume mm³", "area mm²", "total H mm", "mean H 1/mm", "chi", "chi mesh"];
 
 pub(crate) fn table_text(output: &Output) -> String {
     let by_input = output.results.chunk_by(|a, b| a.input == b.input);
     let mut text = by_input.map(input_text).collect::<Vec<_>>().join("\n");
     if output.results.iter().any(|r| r.measured.parameters.sigma_mm.is_some()) {
-        text += "\nblurred: of the smoothed object; original: with the smoothing's shift undone. H > 0 on a ball; chi is \
-                 the surface's (ball 2, torus 0).\n";
+        text += "\nblurred: of the smoothed object; original: with the smoothing's shift undone; voxels: counted. H > 0 on a ball; \
+                 chi is the surface's (ball 2, torus 0).\n";
     }
     text
 }
@@ -64,7 +55,7 @@ fn input_text(records: &[Record]) -> String {
             layout.row(row);
         }
     }
-    heading(&records[0]) + &layout.text() + &flags(records)
+    heading(&records[0]) + &layout.text() + &flags_text(&records.iter().collect::<Vec<_>>())
 }
 
 fn heading(record: &Record) -> String {
@@ -98,7 +89,6 @@ fn rows(record: &Record) -> Vec<Vec<String>> {
         number(m.average_mean_curvature_per_mm),
         chi(m.euler_characteristic),
         m.topology.euler_characteristic_mesh.map_or_else(|| "-".to_owned(), |chi| chi.to_string()),
-        m.topology.euler_characteristic_voxels_26.to_string(),
     ]];
     if m.parameters.embedding == EmbeddingKind::Gaussian {
         rows.push(vec![
@@ -110,6 +100,15 @@ fn rows(record: &Record) -> Vec<Vec<String>> {
             number(c.average_mean_curvature_per_mm),
         ]);
     }
+    rows.push(vec![
+        String::new(),
+        "voxels".to_owned(),
+        digits(m.voxels.volume_mm3),
+        String::new(),
+        String::new(),
+        String::new(),
+        m.topology.euler_characteristic_voxels_26.to_string(),
+    ]);
     if let Some(truth) = m.truth {
         rows.push(vec![
             String::new(),
@@ -136,8 +135,8 @@ fn surface_name(embedding: EmbeddingKind) -> &'static str {
 }
 
 /// Each warning once, with the labels it is about. What the table does not show needs no `not-computed`.
-fn flags(records: &[Record]) -> String {
-    let all = || records.iter().flat_map(|r| r.measured.flags.iter().map(move |f| (r, f)));
+pub(crate) fn flags_text(records: &[&Record]) -> String {
+    let all = || records.iter().flat_map(|&r| r.measured.flags.iter().map(move |f| (r, f)));
     let mut codes: Vec<FlagCode> = Vec::new();
     for (_, flag) in all() {
         if flag.code != FlagCode::NotComputed && !codes.contains(&flag.code) {

@@ -188,18 +188,7 @@ fn band_flags(e: &Evidence) -> Vec<Flag> {
         );
         flags.push(Flag::new(FlagCode::ThicknessAboveObject, message));
     }
-    if let Some(mesh) = e.mesh {
-        let off = plain.surface.area / mesh.area - 1.0;
-        if off.abs() > MESH_TOLERANCE {
-            let message = format!(
-                "the band's area is {:+.1} % off that of the surface as a mesh, {:.6} mm2: parts are thin or tightly curved \
-                 against the band; use a smaller --thickness or --sigma, or a finer image",
-                100.0 * off,
-                mesh.area
-            );
-            flags.push(Flag::new(FlagCode::BandDiffersFromMesh, message));
-        }
-    }
+    flags.extend(mesh_flag(e, &plain));
     if plain.voxels_without_normal > 0 {
         let message = format!(
             "the gradient collapses at {} voxel(s) of the band (less than 5 % of a flat surface's), as half-way through thin \
@@ -209,6 +198,24 @@ fn band_flags(e: &Evidence) -> Vec<Flag> {
         flags.push(Flag::new(FlagCode::VanishingGradient, message));
     }
     flags
+}
+
+/// Where the band is sampled well, it and the mesh can only differ because it covers more than one surface. (An open mesh of a given
+/// field ends at voxel centres, and the band at their faces.)
+fn mesh_flag(e: &Evidence, plain: &Integrals) -> Option<Flag> {
+    let mesh = e.mesh?;
+    let (inside, sampled) =
+        (mesh.volume?, e.thickness >= SAMPLED_THICKNESS * e.spacing.largest() * (1.0 - 1e-5));
+    let (area, volume) = (plain.surface.area / mesh.area - 1.0, plain.volume / inside - 1.0);
+    let differs = area.abs() > MESH_TOLERANCE || volume.abs() > 2.0 * MESH_TOLERANCE;
+    let message = format!(
+        "the band gives {:+.1} % in area and {:+.1} % in volume against the surface as a mesh ({:.6} mm2, {inside:.6} mm3): parts \
+         are thin or tightly curved against the band; use a smaller --sigma, or a finer image",
+        100.0 * area,
+        100.0 * volume,
+        mesh.area
+    );
+    (e.sigma.is_some() && sampled && differs).then(|| Flag::new(FlagCode::BandDiffersFromMesh, message))
 }
 
 fn topology_flags(e: &Evidence) -> Vec<Flag> {

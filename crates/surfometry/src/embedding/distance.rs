@@ -4,8 +4,8 @@ use super::Embedding;
 use crate::tiling::{Block, IndexBox};
 use crate::volume::Mask;
 
-/// Voxels that a finite-difference stencil reaches beyond a band voxel.
-const STENCIL_REACH: f64 = 2.0;
+/// Voxels that differences reach: two beyond a band voxel, three for the polynomial around a vertex.
+const STENCIL_REACH: f64 = 3.0;
 
 /// Signed Euclidean distance from each voxel centre to the nearest voxel *face* between object and background,
 /// in mm, negative inside.

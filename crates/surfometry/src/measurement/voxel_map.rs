@@ -16,9 +16,9 @@ pub enum VoxelQuantity {
     /// Area of surface a volume of voxel, delta(phi) |grad phi|, 1/mm: summed over voxels times their volume it gives
     /// the surface area, weighted by H the total mean curvature.
     Delta,
-    /// The embedding.
+    /// The embedding; a distance only near the surface, where it is needed: it is cut off a few voxels away.
     Phi,
-    /// 1 in the band, 0 outside.
+    /// 1 in the band, 0 outside, and where the gradient has collapsed.
     Band,
 }
 
@@ -47,13 +47,10 @@ impl fmt::Display for VoxelQuantity {
 
 impl Object<'_> {
     /// A quantity on a box of voxels, such as the whole image ([`Grid::index_box`](crate::volume::Grid::index_box)), which
-    /// may reach beyond it unless the field is given. In parallel over tiles; the same for any number of threads.
-    pub fn voxel_map(&self, quantity: VoxelQuantity, region: &IndexBox) -> Block<f32> {
-        let Some(field) = self.field() else {
-            // All that the blur left is the level, everywhere.
-            let level = self.parameters().level.unwrap_or_default();
-            return Block::filled(*region, if quantity == VoxelQuantity::Phi { level as f32 } else { 0.0 });
-        };
+    /// may reach beyond it unless the field is given; `None` where the blur is known to leave nothing, so that there was no need to
+    /// make a field. In parallel over tiles; the same for any number of threads.
+    pub fn voxel_map(&self, quantity: VoxelQuantity, region: &IndexBox) -> Option<Block<f32>> {
+        let field = self.field()?;
         let mut map = Block::filled(*region, 0.0);
         let half_width = self.band.delta().half_width();
         let values = |tile: &IndexBox| self.tile_values(&field.sample(tile, half_width), quantity);
@@ -67,7 +64,7 @@ impl Object<'_> {
                 }
             }
         }
-        map
+        Some(map)
     }
 
     fn tile_values(&self, sample: &TileSample, quantity: VoxelQuantity) -> Vec<f32> {
@@ -78,7 +75,7 @@ impl Object<'_> {
             (TileSample::Varying { phi, .. }, VoxelQuantity::Phi) => {
                 phi.values().iter().map(|&v| v as f32).collect()
             }
-            (TileSample::Varying { phi, band }, _) => {
+            (TileSample::Varying { phi, band }, quantity) => {
                 let mut values = vec![0.0; region.voxels()];
                 for voxel in band {
                     values[phi.offset(voxel.index)] = self.band_value(voxel, quantity) as f32;
@@ -95,8 +92,7 @@ impl Object<'_> {
             VoxelQuantity::MeanCurvature => curvature.mean,
             VoxelQuantity::GaussianCurvature => curvature.gaussian,
             VoxelQuantity::Delta => density,
-            VoxelQuantity::Phi => voxel.jet.value,
-            VoxelQuantity::Band => 1.0,
+            VoxelQuantity::Phi | VoxelQuantity::Band => 1.0,
         }
     }
 }

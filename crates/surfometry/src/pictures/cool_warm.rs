@@ -6,6 +6,7 @@
 //! is as dark at one end as at the other. A formula of some forty lines is also exact at any number of steps.
 
 use libm::{cos, pow, sin, sqrt};
+use std::sync::LazyLock;
 
 /// Magnitude, saturation angle, hue angle of the blue end: (59, 76, 192) in sRGB.
 const COOL: [f64; 3] = [80.0, 1.08, -1.1];
@@ -16,8 +17,19 @@ const MIDDLE: f64 = 88.0;
 /// CIE XYZ of sRGB's white (D65).
 const WHITE: [f64; 3] = [0.95047, 1.0, 1.08883];
 
+/// Steps from the middle to an end that are computed once: colours of 8 bits have fewer.
+const STEPS: i32 = 2048;
+
+static TABLE: LazyLock<Vec<[u8; 3]>> =
+    LazyLock::new(|| (-STEPS..=STEPS).map(|step| computed(f64::from(step) / f64::from(STEPS))).collect());
+
 /// Colour at a position from -1 (blue) over 0 (grey) to 1 (red), sRGB.
 pub(crate) fn cool_warm(position: f64) -> [u8; 3] {
+    let step = libm::round(position.clamp(-1.0, 1.0) * f64::from(STEPS)) as i32;
+    TABLE[(step + STEPS) as usize]
+}
+
+fn computed(position: f64) -> [u8; 3] {
     let end = if position < 0.0 { COOL } else { WARM };
     let grey = [MIDDLE, 0.0, hue_towards_grey(end)];
     let share = position.abs().min(1.0);
@@ -45,14 +57,35 @@ fn from_lab([l, a, b]: [f64; 3]) -> [u8; 3] {
     linear.map(encoded)
 }
 
-/// sRGB's transfer function, rounded to 8 bits.
+/// Linear light half-way between neighbouring 8-bit components.
+static BETWEEN: LazyLock<[f64; 255]> =
+    LazyLock::new(|| std::array::from_fn(|component| linear((component as f64 + 0.5) / 255.0)));
+
+/// sRGB's transfer function, rounded to 8 bits: a search, for a power takes ten times as long.
 pub(crate) fn encoded(linear: f64) -> u8 {
-    let value = if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * pow(linear, 1.0 / 2.4) - 0.055 };
-    libm::round(255.0 * value.clamp(0.0, 1.0)) as u8
+    BETWEEN.partition_point(|&limit| limit <= linear) as u8
 }
 
 /// Linear light of an 8-bit sRGB component, 0 to 1.
 pub(crate) fn decoded(component: u8) -> f64 {
-    let value = f64::from(component) / 255.0;
+    linear(f64::from(component) / 255.0)
+}
+
+fn linear(value: f64) -> f64 {
     if value <= 0.040_45 { value / 12.92 } else { pow((value + 0.055) / 1.055, 2.4) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn encoding_undoes_decoding() {
+        for component in 0..=255 {
+            assert_eq!(encoded(decoded(component)), component);
+        }
+        assert_eq!((encoded(-1.0), encoded(7.0)), (0, 255));
+        // IEC 61966-2-1: a fifth of the light is 124 of 255.
+        assert_eq!(encoded(0.2), 124);
+    }
 }

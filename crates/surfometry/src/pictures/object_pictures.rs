@@ -7,7 +7,7 @@ use super::{
 };
 use crate::measurement::{Object, VoxelQuantity};
 use crate::surface::{LocalQuantity, Surface};
-use crate::tiling::IndexBox;
+use crate::tiling::{Block, IndexBox};
 use crate::volume::Affine;
 use std::fmt;
 
@@ -86,12 +86,13 @@ pub fn picture(
 ) -> Result<Figure, PictureError> {
     let scale = color_scale(surface, style.quantity, style.limit);
     match kind {
-        PictureKind::Surface => surface_figure(surface, style, scale, &caption(object, SIGN)),
+        PictureKind::Surface => surface_figure(surface, style, scale, &caption(object, sign(style.quantity))),
         PictureKind::Slices => slices_figure(object, style, &caption(object, "φ < 0 inside.")),
         PictureKind::Histogram => {
-            histogram_figure(surface, style, scale, &caption(object, &format!("{SIGN} {OUTER_BINS}")))
+            let remark = format!("{} {OUTER_BINS}", sign(style.quantity));
+            histogram_figure(surface, style, scale, &caption(object, &remark))
         }
-        PictureKind::Volume => volume_figure(object, surface, style, &caption(object, SIGN)),
+        PictureKind::Volume => volume_figure(object, surface, style),
     }
 }
 
@@ -101,8 +102,19 @@ impl From<LocalQuantity> for Quantity<'static> {
     }
 }
 
-/// The convention without which curvature cannot be read; its words stay on one line.
-const SIGN: &str = "H\u{a0}>\u{a0}0 on a\u{a0}ball.";
+/// The convention without which a quantity's sign cannot be read; its words stay on one line.
+fn sign(quantity: LocalQuantity) -> &'static str {
+    match quantity {
+        LocalQuantity::MeanCurvature | LocalQuantity::K1 | LocalQuantity::K2 => {
+            "H\u{a0}>\u{a0}0 on a\u{a0}ball."
+        }
+        LocalQuantity::GaussianCurvature => "K\u{a0}<\u{a0}0 on a\u{a0}saddle.",
+        LocalQuantity::ShapeIndex => "1 on a\u{a0}ball, 0 on a\u{a0}saddle, −1 in a\u{a0}hollow.",
+        LocalQuantity::Curvedness => "1/R on a\u{a0}ball.",
+        LocalQuantity::Displacement => "Negative where the blur moved the surface inward.",
+    }
+}
+
 const OUTER_BINS: &str = "The outer bins hold all that lies beyond.";
 
 /// How the surface was made, as a paper's figure legend would say, and what has to be known of the picture.
@@ -184,7 +196,7 @@ fn surroundings(object: &Object) -> IndexBox {
 }
 
 fn slices_figure(object: &Object, style: &PictureStyle, caption: &str) -> Result<Figure, PictureError> {
-    let slices = [2, 1, 0].map(|world| slice(object, world));
+    let slices: Vec<Slice> = [2, 1, 0].into_iter().filter_map(|world| slice(object, world)).collect();
     let reach = object.delta().half_width().max(object.parameters().level.unwrap_or_default());
     SlicePicture {
         slices: &slices,
@@ -201,13 +213,19 @@ fn slices_figure(object: &Object, style: &PictureStyle, caption: &str) -> Result
 const PLANES: [(&str, [char; 4]); 3] =
     [("Sagittal", ['A', 'P', 'I', 'S']), ("Coronal", ['R', 'L', 'I', 'S']), ("Axial", ['R', 'L', 'P', 'A'])];
 
+/// Cosine of the angle to a world axis, 5 degrees, beyond which a slice is called oblique.
+const NEARLY: f64 = 0.9962;
+
 /// The slice through the middle of the object's box, of those image slices that lie most nearly across a world axis.
-fn slice(object: &Object, world: usize) -> Slice {
+fn slice(object: &Object, world: usize) -> Option<Slice> {
     let affine = object.grid().affine();
     let axes = affine.nearest_axes();
     let image_axis = |w: usize| axes.iter().position(|&a| a == w).unwrap_or(w);
     let (plane, letters) = PLANES[world];
     let across = image_axis(world);
+    // Slices are the image's own: of an oblique one they only come near the body's planes.
+    let straight = affine.linear[world][across].abs() > NEARLY * object.grid().spacing().mm()[across];
+    let near = if straight { "" } else { "Near " };
     let (mut region, bounds) = (surroundings(object), object.mask().bounds());
     let middle = i64::midpoint(bounds.lower[across], bounds.upper[across] - 1);
     (region.lower[across], region.upper[across]) = (middle, middle + 1);
@@ -218,7 +236,7 @@ fn slice(object: &Object, world: usize) -> Slice {
         (axis, (affine.linear[w][axis] > 0.0) != grows_positive)
     });
     let size = [region.extent()[u.0], region.extent()[v.0]];
-    let phi = object.voxel_map(VoxelQuantity::Phi, &region);
+    let phi = object.voxel_map(VoxelQuantity::Phi, &region)?;
     let place = |(axis, reversed): (usize, bool), i: usize| {
         if reversed { region.upper[axis] - 1 - i as i64 } else { region.lower[axis] + i as i64 }
     };
@@ -232,8 +250,8 @@ fn slice(object: &Object, world: usize) -> Slice {
     let phi: Vec<f32> = voxels.clone().map(|n| phi.get(index(n))).collect();
     let spacing = object.grid().spacing().mm();
     let spacing = [spacing[u.0], spacing[v.0]];
-    Slice {
-        name: format!("{plane}, voxel {} = {middle}", ['x', 'y', 'z'][across]),
+    Some(Slice {
+        name: format!("{near}{plane}, voxel {} = {middle}", ['x', 'y', 'z'][across]),
         letters: letters.map(String::from),
         size,
         spacing,
@@ -243,7 +261,7 @@ fn slice(object: &Object, world: usize) -> Slice {
             .map(|ends| ends.map(|[u, v]| [u * spacing[0], v * spacing[1]]))
             .collect(),
         phi,
-    }
+    })
 }
 
 /// The world axis that an anatomical letter lies on, and whether at its positive end.
@@ -258,19 +276,14 @@ fn world_direction(letter: char) -> (usize, bool) {
     }
 }
 
-fn volume_figure(
-    object: &Object,
-    surface: &Surface,
-    style: &PictureStyle,
-    caption: &str,
-) -> Result<Figure, PictureError> {
+fn volume_figure(object: &Object, surface: &Surface, style: &PictureStyle) -> Result<Figure, PictureError> {
     let (quantity, voxels) = match style.quantity {
         LocalQuantity::GaussianCurvature => (style.quantity, VoxelQuantity::GaussianCurvature),
         _ => (LocalQuantity::MeanCurvature, VoxelQuantity::MeanCurvature),
     };
     let region = surroundings(object);
-    let phi = object.voxel_map(VoxelQuantity::Phi, &region);
-    let colors = object.voxel_map(voxels, &region);
+    let map = |quantity| object.voxel_map(quantity, &region).unwrap_or_else(|| Block::filled(region, 0.0));
+    let (phi, colors) = (map(VoxelQuantity::Phi), map(voxels));
     let affine = object.grid().affine();
     VolumeRendering {
         dimensions: region.extent(),
@@ -282,7 +295,7 @@ fn volume_figure(
         scale: color_scale(surface, quantity, style.limit.filter(|_| quantity == style.quantity)),
         views: &style.views,
         title: &style.title,
-        caption,
+        caption: &caption(object, sign(quantity)),
     }
     .figure()
 }

@@ -1,7 +1,6 @@
 //! What a report shows of one object.
 
-use super::Scene;
-use super::scene::MOST_TRIANGLES;
+use super::{MOST_TRIANGLES, Scene};
 use crate::pictures::{PictureError, PictureKind, PictureStyle, View, picture};
 use crate::runs::{InputObject, SurfaceRecord};
 use crate::surface::{LocalQuantity, Surface};
@@ -38,22 +37,27 @@ const VIEWS: [View; 6] =
     [View::Anterior, View::Posterior, View::Left, View::Right, View::Superior, View::Inferior];
 
 impl ObjectReport {
-    /// Measures and draws an object.
+    /// Triangles of its surface.
+    pub fn triangles(&self) -> Option<u64> {
+        self.result.record.measured.mesh.triangles
+    }
+
+    /// Measures and draws an object; `room` is how many triangles the page can still take.
     ///
     /// # Errors
     /// What drawing says.
-    pub fn of(source: &InputObject) -> Result<Self, PictureError> {
-        let surface = source.object.surface();
-        let scene = Scene::of(&surface);
+    pub fn of(source: &InputObject, room: usize) -> Result<Self, PictureError> {
+        let surface = source.surface();
+        let scene = Scene::of(surface, room);
         let draw = |kind, quantity| {
             let style = PictureStyle { quantity, limit: None, views: VIEWS.to_vec(), title: String::new() };
-            Ok::<_, PictureError>(picture(kind, &source.object, &surface, &style)?.svg().to_owned())
+            Ok::<_, PictureError>(picture(kind, &source.object, surface, &style)?.svg().to_owned())
         };
         let shown: &[LocalQuantity] = if surface.is_empty() { &[] } else { &DRAWN };
         Ok(Self {
             title: source.title(),
-            result: SurfaceRecord::new(source.record(), &surface),
-            scene_note: scene.is_none().then(|| why_no_scene(&surface)),
+            result: SurfaceRecord::new(source.record(), surface),
+            scene_note: scene.is_none().then(|| why_no_scene(surface)),
             scene,
             views: (!surface.is_empty())
                 .then(|| draw(PictureKind::Surface, LocalQuantity::MeanCurvature))
@@ -70,8 +74,8 @@ fn why_no_scene(surface: &Surface) -> String {
             .to_owned();
     }
     format!(
-        "The surface has {} triangles, more than the {MOST_TRIANGLES} that a page can turn: write it with `surfometry map -o \
-         surface.vtp` and open it in ParaView or 3D Slicer.",
+        "A page can turn {MOST_TRIANGLES} triangles, and there is no room left for the {} of this surface: write it with `surfometry \
+         map -o surface.vtp` and open it in ParaView or 3D Slicer.",
         surface.mesh.triangles.len()
     )
 }

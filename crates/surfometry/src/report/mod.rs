@@ -10,7 +10,7 @@ mod template;
 
 pub use figures::ObjectReport;
 pub use provenance::{Provenance, Source};
-pub use scene::Scene;
+pub use scene::{MOST_TRIANGLES, Scene};
 pub use template::render;
 
 use crate::runs::Failure;

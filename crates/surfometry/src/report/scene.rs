@@ -6,8 +6,8 @@ use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
 use serde::Serialize;
 
-/// Triangles beyond which a browser turns a surface no more smoothly, and a file grows past 50 MB.
-pub(super) const MOST_TRIANGLES: usize = 1_000_000;
+/// Triangles of a page beyond which a browser turns no surface smoothly, and the file grows past 50 MB.
+pub const MOST_TRIANGLES: usize = 1_000_000;
 
 /// A surface and its quantities, as typed arrays in base64.
 #[derive(Debug, Clone, Serialize)]
@@ -55,10 +55,10 @@ impl TypedArray {
 const STOPS: usize = 33;
 
 impl Scene {
-    /// `None` where there is no surface, or one of more than a million triangles.
-    pub fn of(surface: &Surface) -> Option<Self> {
+    /// `None` where there is no surface, or one of more triangles than the page has room for.
+    pub fn of(surface: &Surface, room: usize) -> Option<Self> {
         let mesh = &surface.mesh;
-        if surface.is_empty() || mesh.triangles.len() > MOST_TRIANGLES {
+        if surface.is_empty() || mesh.triangles.len() > room {
             return None;
         }
         let coordinate = |a: usize| TypedArray::floats(mesh.vertices.iter().map(move |v| v[a]));

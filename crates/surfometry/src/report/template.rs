@@ -43,8 +43,11 @@ fn minus(text: &str) -> String {
 /// Significant digits, six unless told; a dash for null.
 fn digits(value: &Value, count: Option<i32>) -> String {
     let Ok(number) = f64::try_from(value.clone()) else { return "–".to_owned() };
-    if number == 0.0 || !number.is_finite() {
+    if number == 0.0 {
         return "0".to_owned();
+    }
+    if !number.is_finite() {
+        return "–".to_owned();
     }
     let magnitude = number.abs().log10().floor() as i32;
     let count = count.unwrap_or(6);

@@ -39,6 +39,12 @@ pub enum InputError {
         /// The file.
         path: PathBuf,
     },
+    /// A file that an earlier output of the same run has become.
+    #[error("{path}: another output of this run has that name already; choose names that differ, or use other folders", path = path.display())]
+    NameTaken {
+        /// The file.
+        path: PathBuf,
+    },
     /// A file that could not be written.
     #[error("{path}: cannot be written: {source}", path = path.display())]
     Write {

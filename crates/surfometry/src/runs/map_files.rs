@@ -1,10 +1,9 @@
 //! Files that show one object: meshes, voxel maps, pictures.
 
-use super::{InputError, InputObject, with_parts};
-use crate::io::{MeshDocument, MeshFormat, write_mesh, write_voxel_map, write_whole};
+use super::{FileLedger, InputError, InputObject, with_parts};
+use crate::io::{MeshDocument, MeshFormat, mesh_paths, write_mesh, write_voxel_map, write_whole};
 use crate::measurement::VoxelQuantity;
-use crate::pictures::{PictureKind, PictureStyle, color_scale, picture};
-use crate::surface::Surface;
+use crate::pictures::{Figure, PictureError, PictureKind, PictureStyle, color_scale, picture};
 use std::io;
 use std::path::{Path, PathBuf};
 
@@ -52,8 +51,6 @@ pub struct MapStyle {
     pub dpi_scale: f64,
     /// Quantities of voxel maps.
     pub voxels: Vec<VoxelQuantity>,
-    /// Files that must stay as they are: the run's inputs, canonical.
-    pub protected: Vec<PathBuf>,
 }
 
 impl Default for MapStyle {
@@ -64,7 +61,6 @@ impl Default for MapStyle {
             pictures: vec![PictureKind::Surface],
             dpi_scale: 2.0,
             voxels: vec![VoxelQuantity::MeanCurvature],
-            protected: Vec::new(),
         }
     }
 }
@@ -77,35 +73,35 @@ impl Default for MapStyle {
 /// [`InputError`].
 pub fn write_map_files(
     source: &InputObject,
-    surface: &Surface,
     path: &Path,
     style: &MapStyle,
+    ledger: &mut FileLedger,
 ) -> Result<Vec<PathBuf>, InputError> {
     let file = MapFile::of_path(path).ok_or(InputError::Unfit("the file's name ends in no known format"))?;
     let label = source.label.as_ref().filter(|_| source.count > 1).map(|label| format!("label-{label}"));
     let path = with_parts(path, label.as_slice());
     match file {
         // Voxel maps show what is there instead.
-        MapFile::Mesh(_) | MapFile::Png | MapFile::Svg if surface.is_empty() => Err(InputError::NoSurface),
-        MapFile::Mesh(_) => mesh_files(source, surface, &path, style),
-        MapFile::Voxels => voxel_files(source, &path, style),
-        MapFile::Png | MapFile::Svg => picture_files(source, surface, &path, style, file),
+        MapFile::Mesh(_) | MapFile::Png | MapFile::Svg if source.surface().is_empty() => {
+            Err(InputError::NoSurface)
+        }
+        MapFile::Mesh(_) => mesh_files(source, &path, style, ledger),
+        MapFile::Voxels => voxel_files(source, &path, style, ledger),
+        MapFile::Png => picture_files(source, &path, style, ledger, |f| f.to_png(style.dpi_scale)),
+        MapFile::Svg => picture_files(source, &path, style, ledger, |f| Ok(f.svg().as_bytes().to_vec())),
     }
-}
-
-/// Refuses a file that would replace an input.
-fn spare_inputs(path: &Path, style: &MapStyle) -> Result<(), InputError> {
-    let replaces = path.canonicalize().is_ok_and(|path| style.protected.contains(&path));
-    if replaces { Err(InputError::ReplacesInput { path: path.to_owned() }) } else { Ok(()) }
 }
 
 fn mesh_files(
     source: &InputObject,
-    surface: &Surface,
     path: &Path,
     style: &MapStyle,
+    ledger: &mut FileLedger,
 ) -> Result<Vec<PathBuf>, InputError> {
-    spare_inputs(path, style)?;
+    for file in mesh_paths(path).map_err(|e| written(path, e))? {
+        ledger.claim(&file)?;
+    }
+    let surface = source.surface();
     let PictureStyle { quantity, limit, .. } = style.picture;
     let scale = color_scale(surface, quantity, limit);
     let colors = surface.values(quantity).map(|values| scale.colors(&values));
@@ -116,45 +112,46 @@ fn mesh_files(
     write_mesh(path, &document).map_err(|e| written(path, e))
 }
 
-fn voxel_files(source: &InputObject, path: &Path, style: &MapStyle) -> Result<Vec<PathBuf>, InputError> {
+fn voxel_files(
+    source: &InputObject,
+    path: &Path,
+    style: &MapStyle,
+    ledger: &mut FileLedger,
+) -> Result<Vec<PathBuf>, InputError> {
     let grid = source.object.grid();
     let name = |quantity: VoxelQuantity| match style.voxels.len() {
         1 => path.to_owned(),
         _ => with_parts(path, &[quantity.name()]),
     };
-    let write = |&quantity: &VoxelQuantity| {
-        let map = source.object.voxel_map(quantity, &grid.index_box());
+    let mut write = |&quantity: &VoxelQuantity| {
         let path = name(quantity);
-        spare_inputs(&path, style)?;
+        ledger.claim(&path)?;
+        let map = source.object.voxel_map(quantity, &grid.index_box()).ok_or(InputError::NoSurface)?;
         write_voxel_map(&path, grid, map.values(), quantity.name()).map_err(|e| written(&path, e))?;
         Ok(path)
     };
-    style.voxels.iter().map(write).collect()
+    style.voxels.iter().map(&mut write).collect()
 }
 
 fn picture_files(
     source: &InputObject,
-    surface: &Surface,
     path: &Path,
     style: &MapStyle,
-    file: MapFile,
+    ledger: &mut FileLedger,
+    bytes: impl Fn(&Figure) -> Result<Vec<u8>, PictureError>,
 ) -> Result<Vec<PathBuf>, InputError> {
     let titled = PictureStyle { title: source.title(), ..style.picture.clone() };
-    let write = |&kind: &PictureKind| {
+    let mut write = |&kind: &PictureKind| {
         let path = match style.pictures.len() {
             1 => path.to_owned(),
             _ => with_parts(path, &[kind.to_string()]),
         };
-        spare_inputs(&path, style)?;
-        let figure = picture(kind, &source.object, surface, &titled)?;
-        let bytes = match file {
-            MapFile::Svg => figure.svg().as_bytes().to_vec(),
-            _ => figure.to_png(style.dpi_scale)?,
-        };
+        ledger.claim(&path)?;
+        let bytes = bytes(&picture(kind, &source.object, source.surface(), &titled)?)?;
         write_whole(&path, |out| out.write_all(&bytes)).map_err(|e| written(&path, e))?;
         Ok(path)
     };
-    style.pictures.iter().map(write).collect()
+    style.pictures.iter().map(&mut write).collect()
 }
 
 fn written(path: &Path, source: io::Error) -> InputError {

@@ -1,5 +1,7 @@
 //! Inputs, from a name to records: what the command line and other front ends share.
 
+#[cfg(feature = "pictures")]
+mod file_ledger;
 mod file_names;
 mod flatten;
 mod input;
@@ -9,6 +11,8 @@ mod objects;
 mod output;
 mod surface_record;
 
+#[cfg(feature = "pictures")]
+pub use file_ledger::FileLedger;
 pub use file_names::{distinct_parts, with_parts};
 pub use flatten::{columns_of, flatten};
 pub use input::{InputError, InputOptions, LabelInput, measure_input, open_labels};

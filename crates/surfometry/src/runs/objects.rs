@@ -5,7 +5,9 @@ use super::{Failure, InputError, InputOptions, Record};
 use crate::accuracy::Flag;
 use crate::measurement::{EmbeddingKind, Measurement, Object};
 use crate::phantoms::{Phantom, Truth};
+use crate::surface::Surface;
 use crate::volume::LabelGroup;
+use std::cell::OnceCell;
 
 /// One object of an input, ready to be measured, mapped and shown.
 pub struct InputObject<'a> {
@@ -21,6 +23,7 @@ pub struct InputObject<'a> {
     pub object: Object<'a>,
     /// Whether the image holds other labels, so that a name needs this one.
     among_others: bool,
+    surface: OnceCell<Surface>,
     truth: Option<Truth>,
     flags: &'a [Flag],
     read_seconds: f64,
@@ -39,8 +42,13 @@ impl InputObject<'_> {
         }
     }
 
+    /// Its surface, extracted when it is first asked for.
+    pub fn surface(&self) -> &Surface {
+        self.surface.get_or_init(|| self.object.surface())
+    }
+
     /// What is said where something of it could not be had: with its label, where there are several.
-    pub fn failure(&self, error: &InputError) -> Failure {
+    pub fn failure(&self, error: &impl std::fmt::Display) -> Failure {
         match &self.label {
             Some(label) if self.count > 1 => Failure::new(self.input, &format!("label {label}: {error}")),
             _ => Failure::new(self.input, error),
@@ -76,6 +84,7 @@ pub fn visit_objects(
             count: 1,
             among_others: false,
             object: measurement.prepare_field(&source.field)?,
+            surface: OnceCell::new(),
             truth: None,
             flags: &source.flags,
             read_seconds: source.read_seconds,
@@ -93,6 +102,7 @@ pub fn visit_objects(
             count,
             among_others: source.image.summaries().len() > 1,
             object: measurement.prepare(&mask)?,
+            surface: OnceCell::new(),
             truth: source.truth,
             flags: &source.flags,
             read_seconds: source.read_seconds,

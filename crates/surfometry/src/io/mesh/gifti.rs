@@ -26,10 +26,10 @@ enum Values<'a> {
 
 /// Writes the surface and the files beside it; all of them or none, unless the file system fails between two renames.
 pub(super) fn write_files(path: &Path, document: &MeshDocument<'_>) -> io::Result<Vec<PathBuf>> {
-    let base = base_name(path)?;
-    let mut files = vec![(path.to_owned(), surface(document))];
-    for (components, intent, extension) in
-        [(1, "NIFTI_INTENT_SHAPE", "shape.gii"), (3, "NIFTI_INTENT_VECTOR", "vector.gii")]
+    let [surface_path, scalars, vectors] = paths(path)?;
+    let mut files = vec![(surface_path, surface(document))];
+    for (components, intent, path) in
+        [(1, "NIFTI_INTENT_SHAPE", scalars), (3, "NIFTI_INTENT_VECTOR", vectors)]
     {
         let arrays = document.arrays.iter().map(|array| (array.name, flat(array)));
         let arrays = arrays.filter(|(_, (_, n))| *n == components).map(|(name, (values, _))| DataArray {
@@ -38,11 +38,17 @@ pub(super) fn write_files(path: &Path, document: &MeshDocument<'_>) -> io::Resul
             components,
             values: Values::Float(values),
         });
-        files.push((base.with_added_extension(extension), arrays.collect()));
+        files.push((path, arrays.collect()));
     }
     files.retain(|(_, arrays)| !arrays.is_empty());
     write_all(&files, &document.ascii_title())?;
     Ok(files.into_iter().map(|(path, _)| path).collect())
+}
+
+/// The surface, its scalars and its vectors.
+pub(super) fn paths(path: &Path) -> io::Result<[PathBuf; 3]> {
+    let base = base_name(path)?;
+    Ok([path.to_owned(), base.with_added_extension("shape.gii"), base.with_added_extension("vector.gii")])
 }
 
 /// The name without `.gii` or `.surf.gii`.

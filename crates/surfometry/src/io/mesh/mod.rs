@@ -81,6 +81,17 @@ pub fn write_mesh(path: impl AsRef<Path>, document: &MeshDocument<'_>) -> io::Re
     Ok(vec![path.to_owned()])
 }
 
+/// The files that [`write_mesh`] may write for a name.
+///
+/// # Errors
+/// `InvalidInput` for a name that means the data of a GIFTI surface and not the surface.
+pub fn mesh_paths(path: &Path) -> io::Result<Vec<PathBuf>> {
+    match MeshFormat::of_path(path) {
+        Some(MeshFormat::Gifti) => gifti::paths(path).map(Vec::from),
+        _ => Ok(vec![path.to_owned()]),
+    }
+}
+
 fn invalid(message: impl Into<String>) -> io::Error {
     io::Error::new(io::ErrorKind::InvalidInput, message.into())
 }

@@ -1,0 +1,73 @@
+//! Which files a run may write.
+
+use super::InputError;
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+
+/// The files of a run: its inputs stay as they are, and no output takes another's place.
+#[derive(Debug, Default)]
+pub struct FileLedger {
+    taken: HashMap<PathBuf, Holder>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Holder {
+    Input,
+    Output,
+}
+
+impl FileLedger {
+    /// A ledger in which only the run's inputs stand; what is no file, as a phantom, is passed over.
+    pub fn new(inputs: &[String]) -> Self {
+        let files = inputs.iter().filter_map(|input| Path::new(input).canonicalize().ok());
+        Self { taken: files.map(|file| (file, Holder::Input)).collect() }
+    }
+
+    /// Takes a file for an output.
+    ///
+    /// # Errors
+    /// [`InputError::ReplacesInput`], or [`InputError::NameTaken`] by an earlier output of the run.
+    pub fn claim(&mut self, path: &Path) -> Result<(), InputError> {
+        let path = path.to_owned();
+        match self.taken.insert(location(&path), Holder::Output) {
+            None => Ok(()),
+            Some(Holder::Input) => {
+                self.taken.insert(location(&path), Holder::Input);
+                Err(InputError::ReplacesInput { path })
+            }
+            Some(Holder::Output) => Err(InputError::NameTaken { path }),
+        }
+    }
+}
+
+/// A file's name, which need not exist yet, without links and dots.
+fn location(path: &Path) -> PathBuf {
+    if let Ok(existing) = path.canonicalize() {
+        return existing;
+    }
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    match (folder.canonicalize(), path.file_name()) {
+        (Ok(folder), Some(name)) => folder.join(name),
+        _ => path.to_owned(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn inputs_and_earlier_outputs_are_spared() {
+        let folder = tempfile::tempdir().unwrap();
+        let (input, output) = (folder.path().join("in.nii"), folder.path().join("out.nii"));
+        std::fs::write(&input, b"").unwrap();
+        let mut ledger = FileLedger::new(&[input.display().to_string(), "phantom:ball".to_owned()]);
+        let dotted = folder.path().join(".").join("in.nii");
+        for _ in 0..2 {
+            assert!(matches!(ledger.claim(&dotted), Err(InputError::ReplacesInput { .. })));
+        }
+        assert!(ledger.claim(&output).is_ok());
+        assert!(matches!(ledger.claim(&output), Err(InputError::NameTaken { .. })));
+        assert!(ledger.claim(&folder.path().join("other.nii")).is_ok());
+    }
+}
