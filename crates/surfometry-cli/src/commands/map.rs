@@ -4,10 +4,9 @@ use super::{ALL_DONE, SOME_FAILED};
 use crate::inputs::{expand, grey_image_warning};
 use crate::options::MeasureOptions;
 use crate::output::{check_output, deliver, flags_text, say};
-use crate::picture_options::{PictureOptions, distinct};
+use crate::picture_options::{PictureOptions, distinct, one_of};
 use crate::progress::progress_bar;
 use anyhow::{Result, bail};
-use clap::ValueEnum;
 use std::path::{Path, PathBuf};
 use surfometry::measurement::VoxelQuantity;
 use surfometry::runs::{
@@ -36,38 +35,12 @@ pub(crate) struct Args {
     #[arg(long, value_name = "FILE.png")]
     png: Option<PathBuf>,
     /// Quantities of voxel maps, a file each
-    #[arg(long, value_enum, value_delimiter = ',', default_value = "mean-curvature")]
-    voxels: Vec<VoxelsOption>,
+    #[arg(long, value_delimiter = ',', default_value = "mean-curvature", value_parser = one_of(&VoxelQuantity::ALL, VoxelQuantity::option, VoxelQuantity::title))]
+    voxels: Vec<VoxelQuantity>,
     #[command(flatten)]
     pictures: PictureOptions,
     #[command(flatten)]
     options: MeasureOptions,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum VoxelsOption {
-    /// H in the band, 1/mm
-    MeanCurvature,
-    /// K in the band, 1/mm^2
-    GaussianCurvature,
-    /// Surface area a volume, 1/mm: its sum times a voxel's volume is the area
-    Delta,
-    /// The embedding
-    Phi,
-    /// 1 in the band, 0 outside
-    Band,
-}
-
-impl VoxelsOption {
-    fn quantity(self) -> VoxelQuantity {
-        match self {
-            Self::MeanCurvature => VoxelQuantity::MeanCurvature,
-            Self::GaussianCurvature => VoxelQuantity::GaussianCurvature,
-            Self::Delta => VoxelQuantity::Delta,
-            Self::Phi => VoxelQuantity::Phi,
-            Self::Band => VoxelQuantity::Band,
-        }
-    }
 }
 
 /// The files asked for: one an object, and documents of all objects.
@@ -111,7 +84,7 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
         picture: args.pictures.style(),
         pictures: args.pictures.kinds(),
         dpi_scale: args.pictures.dpi_scale(),
-        voxels: distinct(args.voxels.iter().map(|v| v.quantity())),
+        voxels: distinct(&args.voxels),
     };
     let progress = progress_bar(inputs.len(), quiet);
     let mut run = Run { style, ledger: FileLedger::new(&inputs), records: Vec::new(), failures: Vec::new() };

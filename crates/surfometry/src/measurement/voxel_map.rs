@@ -4,7 +4,6 @@ use super::Object;
 use crate::local_geometry::{BandVoxel, TileSample};
 use crate::tiling::{Block, IndexBox, TILE_EDGE};
 use rayon::prelude::*;
-use std::fmt;
 
 /// What a voxel map shows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -37,11 +36,27 @@ impl VoxelQuantity {
             Self::Band => "band",
         }
     }
-}
 
-impl fmt::Display for VoxelQuantity {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.name())
+    /// Name in options.
+    pub fn option(self) -> &'static str {
+        match self {
+            Self::MeanCurvature => "mean-curvature",
+            Self::GaussianCurvature => "gaussian-curvature",
+            Self::Delta => "delta",
+            Self::Phi => "phi",
+            Self::Band => "band",
+        }
+    }
+
+    /// What it is, for people.
+    pub fn title(self) -> &'static str {
+        match self {
+            Self::MeanCurvature => "H in the band, 1/mm",
+            Self::GaussianCurvature => "K in the band, 1/mm^2",
+            Self::Delta => "surface area a volume, 1/mm: its sum times a voxel's volume is the area",
+            Self::Phi => "the embedding",
+            Self::Band => "1 in the band, 0 outside",
+        }
     }
 }
 

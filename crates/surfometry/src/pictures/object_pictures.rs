@@ -9,7 +9,6 @@ use crate::measurement::{Object, VoxelQuantity};
 use crate::surface::{LocalQuantity, Surface};
 use crate::tiling::{Block, IndexBox};
 use crate::volume::Affine;
-use std::fmt;
 
 /// What a picture of an object shows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -25,14 +24,28 @@ pub enum PictureKind {
     Volume,
 }
 
-impl fmt::Display for PictureKind {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
+impl PictureKind {
+    /// All of them.
+    pub const ALL: [Self; 4] = [Self::Surface, Self::Slices, Self::Histogram, Self::Volume];
+
+    /// Name in options and in names of files.
+    pub fn option(self) -> &'static str {
+        match self {
             Self::Surface => "surface",
             Self::Slices => "slices",
             Self::Histogram => "histogram",
             Self::Volume => "volume",
-        })
+        }
+    }
+
+    /// What it is, for people.
+    pub fn title(self) -> &'static str {
+        match self {
+            Self::Surface => "the coloured surface, from --view",
+            Self::Slices => "mask and embedding with the contour, in three slices",
+            Self::Histogram => "the quantity's distribution",
+            Self::Volume => "the paper's volume rendering, from --view",
+        }
     }
 }
 

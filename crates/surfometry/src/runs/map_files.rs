@@ -144,7 +144,7 @@ fn picture_files(
     let mut write = |&kind: &PictureKind| {
         let path = match style.pictures.len() {
             1 => path.to_owned(),
-            _ => with_parts(path, &[kind.to_string()]),
+            _ => with_parts(path, &[kind.option()]),
         };
         ledger.claim(&path)?;
         let bytes = bytes(&picture(kind, &source.object, source.surface(), &titled)?)?;

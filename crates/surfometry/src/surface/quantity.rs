@@ -47,6 +47,19 @@ impl LocalQuantity {
         }
     }
 
+    /// Name in options.
+    pub fn option(self) -> &'static str {
+        match self {
+            Self::MeanCurvature => "mean-curvature",
+            Self::GaussianCurvature => "gaussian-curvature",
+            Self::K1 => "k1",
+            Self::K2 => "k2",
+            Self::ShapeIndex => "shape-index",
+            Self::Curvedness => "curvedness",
+            Self::Displacement => "displacement",
+        }
+    }
+
     /// Name for people.
     pub fn title(self) -> &'static str {
         match self {
