@@ -9,7 +9,6 @@ use anyhow::Result;
 use indicatif::ProgressBar;
 use std::path::{Path, PathBuf};
 use surfometry::Measurement;
-use surfometry::io::ReadError;
 use surfometry::report::{MOST_TRIANGLES, ObjectReport, Provenance, Report, Source, render};
 use surfometry::runs::{Failure, InputError, InputOptions, visit_objects};
 
@@ -90,5 +89,5 @@ fn add_input(
         sections.push(ObjectReport::of(source, MOST_TRIANGLES.saturating_sub(shown as usize))?);
         Ok(())
     })?;
-    Source::of(input).map_err(|source| ReadError::Io { path: input.into(), source }.into())
+    Ok(Source::of(input)?)
 }

@@ -71,7 +71,7 @@ pub enum ReadError {
 }
 
 impl ReadError {
-    pub(super) fn io(path: &std::path::Path, source: io::Error) -> Self {
+    pub(crate) fn io(path: &std::path::Path, source: io::Error) -> Self {
         Self::Io { path: path.to_owned(), source }
     }
 }

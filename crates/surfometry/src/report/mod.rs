@@ -9,7 +9,7 @@ mod scene;
 mod template;
 
 pub use figures::ObjectReport;
-pub use provenance::{Provenance, Source};
+pub use provenance::{HashedFile, Provenance, Source};
 pub use scene::{MOST_TRIANGLES, Scene};
 pub use template::render;
 

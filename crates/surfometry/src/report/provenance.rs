@@ -1,10 +1,12 @@
 //! Where a report comes from.
 
+use crate::io::{ReadError, read_header};
 use crate::phantoms::Phantom;
 use serde::Serialize;
 use sha2::{Digest, Sha256};
 use std::fs::File;
 use std::io;
+use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
 /// How, from what and by what a report was made.
@@ -33,25 +35,48 @@ impl Provenance {
 pub struct Source {
     /// As named.
     pub input: String,
-    /// SHA-256 of the file's bytes (of a detached header, of the header); `None` for a phantom, whose name says all.
-    pub sha256: Option<String>,
-    /// Length of the file, bytes.
-    pub bytes: Option<u64>,
+    /// Its files: header and data, where they are apart; none for a phantom, whose name says all.
+    pub files: Vec<HashedFile>,
+}
+
+/// A file's fingerprint.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct HashedFile {
+    /// Name without folders.
+    pub name: String,
+    /// SHA-256 of its bytes.
+    pub sha256: String,
+    /// Length, bytes.
+    pub bytes: u64,
 }
 
 impl Source {
-    /// Reads the file once.
+    /// Reads an input's files once.
     ///
     /// # Errors
-    /// Whatever the file system says.
-    pub fn of(input: &str) -> io::Result<Self> {
-        if Phantom::is_spec(input) {
-            return Ok(Self { input: input.to_owned(), sha256: None, bytes: None });
+    /// [`ReadError`] for a header that cannot be read, or whatever the file system says.
+    pub fn of(input: &str) -> Result<Self, ReadError> {
+        let mut paths = Vec::new();
+        if !Phantom::is_spec(input) {
+            paths.push(PathBuf::from(input));
+            let data = read_header(input)?.data.path;
+            // The same file under another name counts once.
+            if data.canonicalize().ok() != paths[0].canonicalize().ok() {
+                paths.push(data);
+            }
         }
+        let hashed = |path: &PathBuf| HashedFile::of(path).map_err(|source| ReadError::io(path, source));
+        Ok(Self { input: input.to_owned(), files: paths.iter().map(hashed).collect::<Result<_, _>>()? })
+    }
+}
+
+impl HashedFile {
+    fn of(path: &Path) -> io::Result<Self> {
         let mut hash = Sha256::new();
-        let bytes = io::copy(&mut File::open(input)?, &mut HashWriter(&mut hash))?;
+        let bytes = io::copy(&mut File::open(path)?, &mut HashWriter(&mut hash))?;
         let digits: Vec<String> = hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect();
-        Ok(Self { input: input.to_owned(), sha256: Some(digits.concat()), bytes: Some(bytes) })
+        let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        Ok(Self { name, sha256: digits.concat(), bytes })
     }
 }
 
@@ -77,11 +102,25 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("abc");
         std::fs::write(&path, b"abc").unwrap();
-        let source = Source::of(path.to_str().unwrap()).unwrap();
+        let hashed = HashedFile::of(&path).unwrap();
         // FIPS 180-4, the one-block example.
         let expected = "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad";
-        assert_eq!((source.sha256.as_deref(), source.bytes), (Some(expected), Some(3)));
-        assert!(Source::of("phantom:ball").unwrap().sha256.is_none());
-        assert!(Source::of("/no/such/file").is_err());
+        assert_eq!((hashed.sha256.as_str(), hashed.bytes, hashed.name.as_str()), (expected, 3, "abc"));
+        assert!(Source::of("phantom:ball").unwrap().files.is_empty());
+        assert!(Source::of("/no/such/file.nii").is_err());
+    }
+
+    /// Voxels that lie apart from their header are part of what was measured.
+    #[test]
+    fn detached_data_are_hashed_too() {
+        let folder = tempfile::tempdir().unwrap();
+        let header = "ObjectType = Image\nNDims = 3\nDimSize = 2 2 2\nElementSpacing = 1 1 1\nElementType = MET_UCHAR\n\
+                      ElementDataFile = b.raw\n";
+        std::fs::write(folder.path().join("a.mhd"), header).unwrap();
+        std::fs::write(folder.path().join("b.raw"), [1u8; 8]).unwrap();
+        let source = Source::of(folder.path().join("a.mhd").to_str().unwrap()).unwrap();
+        let names: Vec<&str> = source.files.iter().map(|f| f.name.as_str()).collect();
+        assert_eq!(names, ["a.mhd", "b.raw"]);
+        assert_eq!(source.files[1].bytes, 8);
     }
 }
