@@ -19,7 +19,7 @@ pub struct GaussianKernel {
 }
 
 /// Beyond this many sigma nothing is left in f64.
-const WHOLE: f64 = 9.0;
+pub(super) const WHOLE: f64 = 9.0;
 
 impl GaussianKernel {
     /// The kernel of a derivative order (0, 1 or 2) for sigma and spacing in the same unit, cut at `truncation` sigma.
@@ -34,7 +34,7 @@ impl GaussianKernel {
             0 => cut.bell.clone(),
             1 => cut.weighted(|x| -x / variance),
             2 => {
-                let scale = 2.0 / (whole.moment(4) - variance * variance);
+                let scale = whole.bend();
                 let cut_variance = cut.moment(2);
                 cut.weighted(|x| (x * x - cut_variance) * scale)
             }
@@ -72,13 +72,13 @@ impl GaussianKernel {
 }
 
 /// A Gaussian sampled at multiples of the spacing, with sum 1.
-struct Samples {
+pub(super) struct Samples {
     positions: Vec<f64>,
-    bell: Vec<f64>,
+    pub(super) bell: Vec<f64>,
 }
 
 impl Samples {
-    fn new(sigma: f64, spacing: f64, truncation: f64) -> Self {
+    pub(super) fn new(sigma: f64, spacing: f64, truncation: f64) -> Self {
         let radius = GaussianKernel::radius_for(sigma, spacing, truncation);
         let positions: Vec<f64> = (-radius..=radius).map(|i| i as f64 * spacing).collect();
         let bell: Vec<f64> = positions.iter().map(|x| libm::exp(-x * x / (2.0 * sigma * sigma))).collect();
@@ -86,8 +86,13 @@ impl Samples {
         Self { positions, bell: bell.iter().map(|g| g / sum).collect() }
     }
 
-    fn moment(&self, power: i32) -> f64 {
+    pub(super) fn moment(&self, power: i32) -> f64 {
         self.positions.iter().zip(&self.bell).map(|(x, g)| x.powi(power) * g).sum()
+    }
+
+    /// What scales x^2 less its mean to a second derivative: 2 / (fourth moment - variance^2).
+    pub(super) fn bend(&self) -> f64 {
+        2.0 / (self.moment(4) - self.moment(2) * self.moment(2))
     }
 
     fn weighted(&self, weight: impl Fn(f64) -> f64) -> Vec<f64> {

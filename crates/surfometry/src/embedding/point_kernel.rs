@@ -1,6 +1,6 @@
 //! The blurred indicator and its derivatives at a point off the grid.
 
-use super::kernel::{CumulativeKernel, GaussianKernel};
+use super::kernel::{CumulativeKernel, Samples, WHOLE};
 use crate::volume::Mask;
 
 /// Taps of orders 0 to 2 around a fractional position on one axis.
@@ -17,26 +17,18 @@ struct AxisBell {
     sigma: f64,
     bell: Vec<f64>,
     variance: f64,
-    /// 2 / (fourth moment - variance^2).
+    /// [`Samples::bend`].
     bend: f64,
 }
 
 impl AxisBell {
     fn new(sigma: f64, spacing: f64, truncation: f64) -> Self {
-        let radius = GaussianKernel::radius_for(sigma, spacing, truncation);
-        let gauss = |d: i64| libm::exp(-0.5 * (d as f64 * spacing / sigma).powi(2));
-        let whole: Vec<(f64, f64)> = {
-            let reach = GaussianKernel::radius_for(sigma, spacing, 9.0);
-            (-reach..=reach).map(|d| ((d as f64 * spacing).powi(2), gauss(d))).collect()
-        };
-        let sum: f64 = whole.iter().map(|w| w.1).sum();
-        let variance = whole.iter().map(|w| w.0 * w.1).sum::<f64>() / sum;
-        let fourth = whole.iter().map(|w| w.0 * w.0 * w.1).sum::<f64>() / sum;
-        let bell = (-radius..=radius).map(gauss).collect();
-        Self { spacing, sigma, bell, variance, bend: 2.0 / (fourth - variance * variance) }
+        let whole = Samples::new(sigma, spacing, truncation.max(WHOLE));
+        let Samples { bell, .. } = Samples::new(sigma, spacing, truncation);
+        Self { spacing, sigma, bell, variance: whole.moment(2), bend: whole.bend() }
     }
 
-    /// Normalised as the kernels of the grid are ([`GaussianKernel`]), and equal to them at a voxel.
+    /// Normalised as the kernels of the grid are ([`GaussianKernel`](super::GaussianKernel)), and equal to them at a voxel.
     fn taps_at(&self, position: f64) -> AxisTaps {
         let centre = position.round();
         let offset = position - centre;
