@@ -1,6 +1,7 @@
 //! Inputs as typed, with patterns expanded where the shell did not.
 
 use std::path::Path;
+use surfometry::phantoms::Phantom;
 
 /// Files that a pattern names, in order of name; anything else stands for itself.
 pub(crate) fn expand(inputs: &[String]) -> Vec<String> {
@@ -18,7 +19,7 @@ pub(crate) fn grey_image_warning(input: &str, labels: usize) -> Option<String> {
 
 fn matches(input: &str) -> Option<Vec<String>> {
     let is_pattern = input.contains(['*', '?', '[']);
-    if !is_pattern || input.starts_with("phantom:") || Path::new(input).exists() {
+    if !is_pattern || Phantom::is_spec(input) || Path::new(input).exists() {
         return None;
     }
     let found: Vec<String> =

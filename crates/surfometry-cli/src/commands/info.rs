@@ -3,7 +3,7 @@
 use super::{ALL_DONE, SOME_FAILED};
 use crate::inputs::expand;
 use crate::options::spacing;
-use crate::output::{Layout, deliver, digits, say};
+use crate::output::{Layout, deliver, digits, json_text, say};
 use anyhow::Result;
 use serde_json::{Value, json};
 use std::fmt::Write;
@@ -42,11 +42,7 @@ pub(crate) fn run(args: &Args) -> Result<u8> {
         };
         documents.push(document);
     }
-    let text = if args.json {
-        serde_json::to_string_pretty(&documents)? + "\n"
-    } else {
-        documents.iter().map(description).collect()
-    };
+    let text = if args.json { json_text(&documents)? } else { documents.iter().map(description).collect() };
     deliver(&text, None)?;
     Ok(status)
 }

@@ -1,11 +1,11 @@
 //! `surfometry map`.
 
 use super::{ALL_DONE, SOME_FAILED};
-use crate::inputs::{expand, grey_image_warning};
+use crate::inputs::expand;
 use crate::options::MeasureOptions;
-use crate::output::{check_output, deliver, flags_text, say};
+use crate::output::{check_output, deliver, flags_text, json_text, say};
 use crate::picture_options::{PictureOptions, distinct, one_of};
-use crate::progress::progress_bar;
+use crate::progress::{announce, progress_bar};
 use anyhow::{Result, bail};
 use std::path::{Path, PathBuf};
 use surfometry::measurement::VoxelQuantity;
@@ -92,10 +92,7 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
         let files: Vec<PathBuf> = targets.files.iter().map(|p| with_parts(p, part.as_slice())).collect();
         progress.set_message(input.clone());
         let outcome = visit_objects(input, &measurement, &wanted, |source| {
-            progress.set_message(format!("{input}, object {} of {}", source.number + 1, source.count));
-            if let Some(warning) = grey_image_warning(input, source.count).filter(|_| source.number == 0) {
-                progress.suspend(|| say(&warning));
-            }
+            announce(&progress, source);
             run.map_object(source, &files);
             Ok(())
         });
@@ -148,8 +145,7 @@ impl Run {
         let status = if self.failures.is_empty() { ALL_DONE } else { SOME_FAILED };
         let mut names: Vec<String> = self.records.iter().flat_map(|r| r.files.clone()).collect();
         if !documents.is_empty() {
-            let text =
-                serde_json::to_string_pretty(&Output::of_surfaces(self.records, self.failures))? + "\n";
+            let text = json_text(&Output::of_surfaces(self.records, self.failures))?;
             for path in documents {
                 deliver(&text, Some(path))?;
                 names.push(path.display().to_string());

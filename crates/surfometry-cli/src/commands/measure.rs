@@ -4,7 +4,7 @@ use super::{ALL_DONE, SOME_FAILED};
 use crate::inputs::{expand, grey_image_warning};
 use crate::options::MeasureOptions;
 use crate::output::{check_output, csv_text, deliver, failures_text, json_text, say, table_text};
-use crate::progress::progress_bar;
+use crate::progress::{progress_bar, said_failure};
 use anyhow::{Result, bail};
 use clap::ValueEnum;
 use std::ffi::OsStr;
@@ -92,11 +92,7 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
                     }
                 }
             }
-            Err(error) => {
-                let failure = Failure::new(input, &error);
-                progress.suspend(|| say(&failure.to_string()));
-                failures.push(failure);
-            }
+            Err(error) => failures.push(said_failure(&progress, input, &error)),
         }
         progress.inc(1);
     }

@@ -1,7 +1,7 @@
 //! `surfometry phantom`.
 
 use super::ALL_DONE;
-use crate::output::{check_output, deliver, say};
+use crate::output::{check_output, deliver, json_text, say};
 use anyhow::{Context, Result};
 use serde_json::json;
 use std::path::{Path, PathBuf};
@@ -29,7 +29,7 @@ pub(crate) fn run(args: &Args) -> Result<u8> {
     }
     write_labels(&args.output, &source.image).with_context(|| args.output.display().to_string())?;
     let truth = json!({ "phantom": spec, "truth": source.truth });
-    deliver(&(serde_json::to_string_pretty(&truth)? + "\n"), Some(&truth_path))?;
+    deliver(&json_text(&truth)?, Some(&truth_path))?;
     Ok(ALL_DONE)
 }
 

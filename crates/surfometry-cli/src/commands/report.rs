@@ -1,16 +1,16 @@
 //! `surfometry report`.
 
 use super::{ALL_DONE, SOME_FAILED};
-use crate::inputs::{expand, grey_image_warning};
+use crate::inputs::expand;
 use crate::options::MeasureOptions;
 use crate::output::{check_output, deliver, say};
-use crate::progress::progress_bar;
+use crate::progress::{announce, progress_bar, said_failure};
 use anyhow::Result;
 use indicatif::ProgressBar;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use surfometry::Measurement;
 use surfometry::report::{MOST_TRIANGLES, ObjectReport, Provenance, Report, Source, render};
-use surfometry::runs::{Failure, InputError, InputOptions, visit_objects};
+use surfometry::runs::{InputError, InputOptions, input_title, visit_objects};
 
 /// Write one HTML page with the numbers, the surface to turn, its distributions, slices, method and provenance
 ///
@@ -41,11 +41,7 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
     for input in &inputs {
         match add_input(input, &measurement, &wanted, &progress, &mut objects) {
             Ok(source) => sources.push(source),
-            Err(error) => {
-                let failure = Failure::new(input, &error);
-                progress.suspend(|| say(&failure.to_string()));
-                failures.push(failure);
-            }
+            Err(error) => failures.push(said_failure(&progress, input, &error)),
         }
         progress.inc(1);
     }
@@ -56,19 +52,13 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
     }
     let status = if failures.is_empty() { ALL_DONE } else { SOME_FAILED };
     let title = args.title.clone().unwrap_or_else(|| match inputs.as_slice() {
-        [one] if !one.starts_with("phantom:") => file_name(one),
-        [one] => one.clone(),
+        [one] => input_title(one),
         many => format!("{} images", many.len()),
     });
     let command: Vec<String> = std::env::args().collect();
     let provenance = Provenance::new(command.join(" "), sources);
     deliver(&render(&Report { title, objects, failures, provenance })?, Some(&args.output))?;
     Ok(status)
-}
-
-fn file_name(input: &str) -> String {
-    let name = Path::new(input).file_name();
-    name.map_or_else(|| input.to_owned(), |name| name.to_string_lossy().into_owned())
 }
 
 /// Adds a section for each object of an input.
@@ -80,10 +70,7 @@ fn add_input(
     sections: &mut Vec<ObjectReport>,
 ) -> Result<Source, InputError> {
     visit_objects(input, measurement, wanted, |source| {
-        progress.set_message(format!("{input}, object {} of {}", source.number + 1, source.count));
-        if let Some(warning) = grey_image_warning(input, source.count).filter(|_| source.number == 0) {
-            progress.suspend(|| say(&warning));
-        }
+        announce(progress, source);
         let shown: u64 =
             sections.iter().filter(|s| s.scene.is_some()).filter_map(ObjectReport::triangles).sum();
         sections.push(ObjectReport::of(source, MOST_TRIANGLES.saturating_sub(shown as usize))?);

@@ -7,13 +7,14 @@ pub(crate) use csv::csv_text;
 pub(crate) use table::{Layout, digits, failures_text, flags_text, table_text};
 
 use anyhow::{Context, Result, bail};
+use serde::Serialize;
 use std::io::{ErrorKind, Write};
 use std::path::Path;
 use surfometry::io::write_whole;
-use surfometry::runs::Output;
 
-pub(crate) fn json_text(output: &Output) -> Result<String> {
-    Ok(serde_json::to_string_pretty(output)? + "\n")
+/// A document as JSON, indented.
+pub(crate) fn json_text(document: &impl Serialize) -> Result<String> {
+    Ok(serde_json::to_string_pretty(document)? + "\n")
 }
 
 /// Says something on stderr. That it cannot be said, as on a full disk, is no reason to lose results.

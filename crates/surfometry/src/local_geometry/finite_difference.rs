@@ -2,7 +2,7 @@
 
 use super::interpolation::interpolated_jet;
 use super::stencil::Stencil;
-use super::{BandVoxel, Differentiation, Jet, TileSample, band_indices};
+use super::{BandVoxel, Differentiation, Jet, TileSample, band_indices, hull_of_points};
 use crate::embedding::Embedding;
 use crate::tiling::{Block, ExactSum, IndexBox, TILE_EDGE};
 use crate::volume::{FieldImage, Mask};
@@ -119,11 +119,7 @@ impl<E: Embedding> Differentiation for FiniteDifferences<E> {
     /// Differentiates the polynomial through the 6 x 6 x 6 voxels around each point: second derivatives are of fourth
     /// order there, as on the grid.
     fn jets_at(&self, points: &[[f64; 3]]) -> Vec<Jet> {
-        let voxel = |p: &[f64; 3]| IndexBox::voxel(p.map(|v| v.floor() as i64));
-        let hull = points.iter().fold(IndexBox::EMPTY, |hull, p| hull.hull(&voxel(p)));
-        if hull.is_empty() {
-            return Vec::new();
-        }
+        let Some(hull) = hull_of_points(points) else { return Vec::new() };
         let region = self.embedding.available(&hull.grown(REACH));
         let values = self.embedding.evaluate(&region, 0.0);
         points.iter().map(|&p| interpolated_jet(&values, p, self.spacing)).collect()

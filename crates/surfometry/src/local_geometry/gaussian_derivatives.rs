@@ -1,7 +1,8 @@
 //! Derivatives of the blurred indicator by convolution with derivatives of the Gaussian.
 
 use super::interpolation::interpolated_values;
-use super::{BandVoxel, Differentiation, Jet, TileSample, band_indices};
+use super::jet::ORDERS;
+use super::{BandVoxel, Differentiation, Jet, TileSample, band_indices, hull_of_points};
 use crate::embedding::{Embedding, GaussianEmbedding};
 use crate::tiling::{Block, IndexBox};
 
@@ -15,9 +16,11 @@ pub struct GaussianDerivatives<'a> {
     embedding: GaussianEmbedding<'a>,
 }
 
-/// Derivative orders along x, y, z of a [`Jet`]'s gradient, then of its Hessian, in its order.
-const ORDERS: [[usize; 3]; 9] =
-    [[1, 0, 0], [0, 1, 0], [0, 0, 1], [2, 0, 0], [0, 2, 0], [0, 0, 2], [1, 1, 0], [1, 0, 1], [0, 1, 1]];
+/// Orders of a [`Jet`]'s derivatives.
+const DERIVATIVES: [[usize; 3]; 9] = {
+    let [_value, derivatives @ ..] = ORDERS;
+    derivatives
+};
 
 impl<'a> GaussianDerivatives<'a> {
     /// Derivatives of an embedding.
@@ -32,25 +35,18 @@ impl<'a> GaussianDerivatives<'a> {
 
     /// Derivatives at the band's voxels, the hull of which is all that is convolved.
     fn band(&self, phi: &Block<f64>, indices: &[[i64; 3]]) -> Vec<BandVoxel> {
-        // Units of the gradient's three and the Hessian's six derivatives.
         let sigma = self.embedding.sigma();
-        let units = [sigma, sigma * sigma];
         let hull = indices.iter().fold(IndexBox::EMPTY, |hull, &i| hull.hull(&IndexBox::voxel(i)));
         let mut band = Vec::with_capacity(indices.len());
         let mut rest = indices;
         let nx = hull.extent()[0];
-        self.embedding.convolution().for_each_slice(self.embedding.mask(), &hull, &ORDERS, |z, planes| {
+        let convolution = self.embedding.convolution();
+        convolution.for_each_slice(self.embedding.mask(), &hull, &DERIVATIVES, |z, planes| {
             let (slice, others) = rest.split_at(rest.partition_point(|i| i[2] <= z));
             rest = others;
             band.extend(slice.iter().map(|&index| {
                 let offset = (index[1] - hull.lower[1]) as usize * nx + (index[0] - hull.lower[0]) as usize;
-                // phi = T - blur, so its derivatives are those of the blur, negated; they come in units of sigma.
-                let derivative = |n: usize| -f64::from(planes[n][offset]) / units[usize::from(n >= 3)];
-                let jet = Jet {
-                    value: phi.get(index),
-                    gradient: std::array::from_fn(derivative),
-                    hessian: std::array::from_fn(|n| derivative(n + 3)),
-                };
+                let jet = jet_of_blur(phi.get(index), sigma, |n| f64::from(planes[n][offset]));
                 BandVoxel { index, jet }
             }));
         });
@@ -94,42 +90,37 @@ const WIDE: f64 = 4.0;
 /// Sigma in spacings below which a Gaussian's moments off the grid are not those on it (by 1e-3 here, by a factor of two at 0.43).
 const NARROW: f64 = 0.75;
 
-impl GaussianDerivatives<'_> {
-    /// phi = T - blur, so its derivatives are those of the blur, negated.
-    fn jet(&self, [value, rest @ ..]: [f64; 10]) -> Jet {
-        Jet {
-            value: self.embedding.level() - value,
-            gradient: std::array::from_fn(|n| -rest[n]),
-            hessian: std::array::from_fn(|n| -rest[n + 3]),
-        }
+/// phi = T - blur, so its derivatives are those of the blur, negated; the blur's are in terms of a unit of length in mm.
+fn jet_of_blur(phi: f64, unit: f64, derivative: impl Fn(usize) -> f64) -> Jet {
+    Jet {
+        value: phi,
+        gradient: std::array::from_fn(|n| -derivative(n) / unit),
+        hessian: std::array::from_fn(|n| -derivative(n + 3) / (unit * unit)),
     }
+}
 
+impl GaussianDerivatives<'_> {
     fn convolved(&self, points: &[[f64; 3]]) -> Vec<Jet> {
-        points.iter().map(|point| self.jet(self.embedding.convolve_at(*point))).collect()
+        let jet_at = |point: &[f64; 3]| {
+            let [value, derivatives @ ..] = self.embedding.convolve_at(*point);
+            jet_of_blur(self.embedding.level() - value, 1.0, |n| derivatives[n])
+        };
+        points.iter().map(jet_at).collect()
     }
 
     fn interpolated(&self, points: &[[f64; 3]]) -> Vec<Jet> {
-        let voxel = |p: &[f64; 3]| IndexBox::voxel(p.map(|v| v.floor() as i64));
-        let hull = points.iter().fold(IndexBox::EMPTY, |hull, p| hull.hull(&voxel(p))).grown([3; 3]);
-        if hull.is_empty() {
-            return Vec::new();
-        }
-        let mut orders = [[0; 3]; 10];
-        orders[1..].copy_from_slice(&ORDERS);
+        let Some(hull) = hull_of_points(points).map(|hull| hull.grown([3; 3])) else { return Vec::new() };
         let mut blocks: [Block<f32>; 10] = std::array::from_fn(|_| Block::filled(hull, 0.0));
         let slice = hull.extent()[0] * hull.extent()[1];
-        self.embedding.convolution().for_each_slice(self.embedding.mask(), &hull, &orders, |z, planes| {
+        self.embedding.convolution().for_each_slice(self.embedding.mask(), &hull, &ORDERS, |z, planes| {
             let start = (z - hull.lower[2]) as usize * slice;
             for (block, plane) in blocks.iter_mut().zip(planes) {
                 block.values_mut()[start..][..slice].copy_from_slice(plane);
             }
         });
-        // Derivatives come in units of sigma.
-        let sigma = self.embedding.sigma();
-        let unit = |n: usize| [1.0, sigma, sigma * sigma][usize::from(n > 0) + usize::from(n > 3)];
         let jet_at = |point: &[f64; 3]| {
-            let values = interpolated_values(&blocks, *point);
-            self.jet(std::array::from_fn(|n| values[n] / unit(n)))
+            let [value, derivatives @ ..] = interpolated_values(&blocks, *point);
+            jet_of_blur(self.embedding.level() - value, self.embedding.sigma(), |n| derivatives[n])
         };
         points.iter().map(jet_at).collect()
     }

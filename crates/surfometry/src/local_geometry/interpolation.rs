@@ -1,7 +1,8 @@
 //! Derivatives off the grid from the voxels around.
 
+use super::jet::ORDERS;
 use super::{Jet, MINIMUM_POINTS};
-use crate::tiling::Block;
+use crate::tiling::{Block, IndexBox};
 
 /// The polynomial through six voxels of an axis: for each voxel, its weight in the value and the first two derivatives, in
 /// units of 1/spacing^order.
@@ -31,27 +32,16 @@ impl AxisWeights {
         };
         Self { first, weights: std::array::from_fn(weights) }
     }
-}
 
-/// Orders along x, y, z of a jet's ten numbers.
-const ORDERS: [[usize; 3]; 10] = [
-    [0, 0, 0],
-    [1, 0, 0],
-    [0, 1, 0],
-    [0, 0, 1],
-    [2, 0, 0],
-    [0, 2, 0],
-    [0, 0, 2],
-    [1, 1, 0],
-    [1, 0, 1],
-    [0, 1, 1],
-];
+    /// At a fractional index, along the three axes of a box.
+    fn within(region: &IndexBox, point: [f64; 3]) -> [Self; 3] {
+        std::array::from_fn(|a| Self::at(point[a], region.lower[a], region.upper[a]))
+    }
+}
 
 /// Values at a fractional index of blocks of one box of at least six voxels a side.
 pub(super) fn interpolated_values<const N: usize>(blocks: &[Block<f32>; N], point: [f64; 3]) -> [f64; N] {
-    let region = blocks[0].region();
-    let [x, y, z]: [AxisWeights; 3] =
-        std::array::from_fn(|a| AxisWeights::at(point[a], region.lower[a], region.upper[a]));
+    let [x, y, z] = AxisWeights::within(&blocks[0].region(), point);
     let mut values = [0.0; N];
     for (slice, wz) in (z.first..).zip(&z.weights) {
         for (row, wy) in (y.first..).zip(&y.weights) {
@@ -72,9 +62,7 @@ pub(super) fn interpolated_jet<T: Copy + Into<f64>>(
     point: [f64; 3],
     spacing: [f64; 3],
 ) -> Jet {
-    let region = values.region();
-    let [x, y, z]: [AxisWeights; 3] =
-        std::array::from_fn(|a| AxisWeights::at(point[a], region.lower[a], region.upper[a]));
+    let [x, y, z] = AxisWeights::within(&values.region(), point);
     let mut numbers = [0.0; 10];
     for (slice, wz) in (z.first..).zip(&z.weights) {
         for (row, wy) in (y.first..).zip(&y.weights) {
@@ -105,7 +93,6 @@ pub(super) fn interpolated_jet<T: Copy + Into<f64>>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::tiling::IndexBox;
 
     /// Exact on polynomials up to degree five along each axis, in the middle and at the ends.
     #[test]

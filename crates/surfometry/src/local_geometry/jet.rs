@@ -11,6 +11,20 @@ pub struct Jet {
     pub hessian: [f64; 6],
 }
 
+/// Derivative orders along x, y, z of a jet's ten numbers: the value, the gradient, the Hessian.
+pub(super) const ORDERS: [[usize; 3]; 10] = [
+    [0, 0, 0],
+    [1, 0, 0],
+    [0, 1, 0],
+    [0, 0, 1],
+    [2, 0, 0],
+    [0, 2, 0],
+    [0, 0, 2],
+    [1, 1, 0],
+    [1, 0, 1],
+    [0, 1, 1],
+];
+
 impl Jet {
     /// |grad phi|, 1/mm.
     pub fn gradient_magnitude(&self) -> f64 {

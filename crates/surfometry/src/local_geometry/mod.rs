@@ -78,3 +78,9 @@ fn band_indices<T: Copy + Into<f64>>(phi: &Block<T>, half_width: f64) -> Vec<[i6
     }
     indices
 }
+
+/// The box of the voxels at or below fractional indices; `None` without any.
+fn hull_of_points(points: &[[f64; 3]]) -> Option<IndexBox> {
+    let voxel = |p: &[f64; 3]| IndexBox::voxel(p.map(|v| v.floor() as i64));
+    points.iter().map(voxel).reduce(|hull, voxel| hull.hull(&voxel))
+}

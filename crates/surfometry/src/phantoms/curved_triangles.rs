@@ -6,6 +6,7 @@
 
 use super::{Shape, Truth};
 use crate::local_geometry::Curvature;
+use crate::surface::{cross, dot};
 use rayon::prelude::*;
 use std::f64::consts::TAU;
 
@@ -32,16 +33,8 @@ const GAUSS_BONNET_TOLERANCE: f64 = 1e-7;
 
 type Vector = [f64; 3];
 
-fn dot(a: Vector, b: Vector) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
 fn combine<const N: usize>(terms: [(f64, Vector); N]) -> Vector {
     std::array::from_fn(|a| terms.iter().map(|(factor, v)| factor * v[a]).sum())
-}
-
-fn cross(a: Vector, b: Vector) -> Vector {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
 /// V, A, M and total K.

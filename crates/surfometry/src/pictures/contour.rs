@@ -1,5 +1,7 @@
 //! Where a field on a plane of voxels is zero.
 
+use crate::surface::inside_is_joined;
+
 /// Segments along which values (u fastest, `size` of them) pass 0, both ends in voxels from the first one's centre.
 ///
 /// Linear along the sides of the squares between voxels; where corners are inside and outside in turn, the sign in the
@@ -18,8 +20,7 @@ pub(super) fn contour(values: &[f32], [nu, nv]: [usize; 2]) -> Vec<[[f64; 2]; 2]
                 [a, b] => segments.push([a, b]),
                 [a, b, c, d] => {
                     // The inside corners are connected where the saddle is inside; the other two are then cut off.
-                    let (first, second) = (at[0] * at[2], at[1] * at[3]);
-                    let first_connected = if at[0] < 0.0 { first > second } else { second <= first };
+                    let first_connected = inside_is_joined(at) == (at[0] < 0.0);
                     segments.extend(if first_connected { [[a, b], [c, d]] } else { [[d, a], [b, c]] });
                 }
                 _ => {}

@@ -37,5 +37,7 @@ pub use raster::{Background, Raster};
 pub use slice_picture::{Slice, SlicePicture};
 pub use surface_picture::SurfacePicture;
 pub use surface_rendering::{ColoredSurface, render_surface};
+#[cfg(feature = "report")]
+pub(crate) use ticks::significant;
 pub use view::{Basis, UnknownView, View};
 pub use volume_rendering::VolumeRendering;

@@ -1,6 +1,7 @@
 //! Pictures of a measured object.
 
 use super::contour::contour;
+use super::ticks::significant;
 use super::{
     ColorScale, Figure, HistogramPicture, HistogramSeries, PictureError, Quantity, ScaleKind, Slice,
     SlicePicture, SurfacePicture, View, VolumeRendering,
@@ -97,13 +98,12 @@ pub fn picture(
     surface: &Surface,
     style: &PictureStyle,
 ) -> Result<Figure, PictureError> {
-    let scale = color_scale(surface, style.quantity, style.limit);
     match kind {
-        PictureKind::Surface => surface_figure(surface, style, scale, &caption(object, sign(style.quantity))),
+        PictureKind::Surface => surface_figure(surface, style, &caption(object, sign(style.quantity))),
         PictureKind::Slices => slices_figure(object, style, &caption(object, "φ < 0 inside.")),
         PictureKind::Histogram => {
             let remark = format!("{} {OUTER_BINS}", sign(style.quantity));
-            histogram_figure(surface, style, scale, &caption(object, &remark))
+            histogram_figure(surface, style, &caption(object, &remark))
         }
         PictureKind::Volume => volume_figure(object, surface, style),
     }
@@ -134,36 +134,26 @@ const OUTER_BINS: &str = "The outer bins hold all that lies beyond.";
 fn caption(object: &Object, remark: &str) -> String {
     let parameters = object.parameters();
     let how = match (parameters.sigma_mm, parameters.level) {
-        (Some(sigma), Some(level)) => format!("Gaussian blur, sigma {} mm, level {level}", rounded(sigma)),
+        (Some(sigma), Some(level)) => {
+            format!("Gaussian blur, sigma {} mm, level {level}", significant(sigma, 4))
+        }
         _ => format!("{:?} embedding", parameters.embedding),
     };
     format!("{how}. {remark} surfometry {}", env!("CARGO_PKG_VERSION"))
-}
-
-/// Four significant digits, without zeros at the end.
-fn rounded(value: f64) -> String {
-    let digits = (3.0 - value.abs().log10().floor()).clamp(0.0, 12.0) as usize;
-    let text = format!("{value:.digits$}");
-    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
 }
 
 fn values(surface: &Surface, quantity: LocalQuantity) -> Result<Vec<f64>, PictureError> {
     surface.values(quantity).ok_or(PictureError::Undefined { quantity: quantity.title() })
 }
 
-fn surface_figure(
-    surface: &Surface,
-    style: &PictureStyle,
-    scale: ColorScale,
-    caption: &str,
-) -> Result<Figure, PictureError> {
+fn surface_figure(surface: &Surface, style: &PictureStyle, caption: &str) -> Result<Figure, PictureError> {
     let normals: Vec<[f64; 3]> = surface.vertices.iter().map(|v| v.normal).collect();
     SurfacePicture {
         mesh: &surface.mesh,
         values: &values(surface, style.quantity)?,
         normals: &normals,
         quantity: style.quantity.into(),
-        scale,
+        scale: color_scale(surface, style.quantity, style.limit),
         views: &style.views,
         title: &style.title,
         caption,
@@ -171,12 +161,7 @@ fn surface_figure(
     .figure()
 }
 
-fn histogram_figure(
-    surface: &Surface,
-    style: &PictureStyle,
-    scale: ColorScale,
-    caption: &str,
-) -> Result<Figure, PictureError> {
+fn histogram_figure(surface: &Surface, style: &PictureStyle, caption: &str) -> Result<Figure, PictureError> {
     values(surface, style.quantity)?;
     let distribution = surface.distribution(style.quantity);
     let series = distribution.as_ref().map_or_else(Vec::new, |d| {
@@ -193,7 +178,7 @@ fn histogram_figure(
         edges: distribution.as_ref().map_or(&[], |d| &d.histogram.edges),
         series: &series,
         quantity: style.quantity.into(),
-        scale: Some(scale),
+        scale: Some(color_scale(surface, style.quantity, style.limit)),
         title: &style.title,
         caption,
     }

@@ -44,10 +44,17 @@ pub(crate) fn short(value: f64) -> String {
     if value != 0.0 && !(1e-4..1e6).contains(&value.abs()) {
         return scientific(value);
     }
-    let digits = if value == 0.0 { 0 } else { 2 - libm::floor(libm::log10(value.abs())) as i32 };
-    let text = format!("{value:.*}", digits.max(0) as usize);
-    let text = if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { &text };
-    signed(if text == "-0" { "0" } else { text })
+    signed(&significant(value, 3))
+}
+
+/// With so many significant digits, trailing zeros dropped, and no exponent.
+pub(crate) fn significant(value: f64, digits: i32) -> String {
+    if value == 0.0 {
+        return "0".to_owned();
+    }
+    let decimals = digits - 1 - libm::floor(libm::log10(value.abs())) as i32;
+    let text = format!("{value:.*}", decimals.max(0) as usize);
+    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
 }
 
 /// The smallest of 1, 1.5, 2, 3, 4, 5, 6, 8 times a power of ten that is not below a positive value.

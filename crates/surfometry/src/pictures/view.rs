@@ -1,9 +1,8 @@
 //! Where the viewer stands.
 
+use crate::surface::{cross, dot, unit};
 use std::fmt;
 use std::str::FromStr;
-
-use crate::surface::{cross, dot, length};
 
 /// A side from which an object is looked at, named by where the viewer stands. World axes are RAS.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -100,11 +99,6 @@ impl FromStr for View {
         let is_meant = |view: &Self| view.name().eq_ignore_ascii_case(text.trim());
         Self::ALL.into_iter().find(is_meant).ok_or_else(|| UnknownView(text.to_owned()))
     }
-}
-
-fn unit(vector: [f64; 3]) -> [f64; 3] {
-    let length = length(vector);
-    vector.map(|v| v / length)
 }
 
 /// The anatomical direction of a unit vector along a world axis.

@@ -1,6 +1,7 @@
 //! From the context to the page.
 
 use super::Report;
+use crate::pictures::significant;
 use minijinja::value::{Serde, Value};
 use minijinja::{Environment, Error, context};
 
@@ -54,9 +55,7 @@ fn digits(value: &Value, count: Option<i32>) -> String {
     if !(-5..12).contains(&magnitude) {
         return minus(&format!("{number:.*e}", (count - 1) as usize));
     }
-    let text = format!("{number:.*}", (count - 1 - magnitude).max(0) as usize);
-    let trimmed = if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { &text };
-    minus(trimmed)
+    minus(&significant(number, count))
 }
 
 #[cfg(test)]

@@ -2,6 +2,7 @@
 
 use super::InputError;
 use std::collections::HashMap;
+use std::collections::hash_map::Entry;
 use std::path::{Path, PathBuf};
 
 /// The files of a run: its inputs stay as they are, and no output takes another's place.
@@ -10,7 +11,7 @@ pub struct FileLedger {
     taken: HashMap<PathBuf, Holder>,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug)]
 enum Holder {
     Input,
     Output,
@@ -28,14 +29,15 @@ impl FileLedger {
     /// # Errors
     /// [`InputError::ReplacesInput`], or [`InputError::NameTaken`] by an earlier output of the run.
     pub fn claim(&mut self, path: &Path) -> Result<(), InputError> {
-        let path = path.to_owned();
-        match self.taken.insert(location(&path), Holder::Output) {
-            None => Ok(()),
-            Some(Holder::Input) => {
-                self.taken.insert(location(&path), Holder::Input);
-                Err(InputError::ReplacesInput { path })
+        match self.taken.entry(location(path)) {
+            Entry::Vacant(free) => {
+                free.insert(Holder::Output);
+                Ok(())
             }
-            Some(Holder::Output) => Err(InputError::NameTaken { path }),
+            Entry::Occupied(taken) => Err(match taken.get() {
+                Holder::Input => InputError::ReplacesInput { path: path.to_owned() },
+                Holder::Output => InputError::NameTaken { path: path.to_owned() },
+            }),
         }
     }
 }

@@ -1,5 +1,6 @@
 //! Names of the files that several objects are written to.
 
+use crate::phantoms::Phantom;
 use std::collections::HashSet;
 use std::path::{Component, Path, PathBuf};
 
@@ -12,6 +13,14 @@ pub fn with_parts<S: AsRef<str>>(path: &Path, parts: &[S]) -> PathBuf {
     let (stem, ending) = split(&name);
     let inserted: String = parts.iter().flat_map(|part| ["_", part.as_ref()]).collect();
     path.with_file_name(format!("{stem}{inserted}{ending}"))
+}
+
+/// An input's name for people: a file's without its folders, a phantom's whole.
+pub fn input_title(input: &str) -> String {
+    match Path::new(input).file_name() {
+        Some(name) if !Phantom::is_spec(input) => name.to_string_lossy().into_owned(),
+        _ => input.to_owned(),
+    }
 }
 
 /// A file's name without folders and ending, for use in other names; of a phantom, its shape's.
@@ -31,7 +40,7 @@ pub fn distinct_parts(inputs: &[String]) -> Vec<Option<String>> {
     }
     let stems: Vec<String> = inputs.iter().map(|input| input_stem(input)).collect();
     let with_folders = |input: &str, stem: &str| {
-        let folders = Path::new(input).parent().filter(|_| !input.starts_with("phantom:"));
+        let folders = Path::new(input).parent().filter(|_| !Phantom::is_spec(input));
         let names = folders.into_iter().flat_map(Path::components).filter_map(|part| match part {
             Component::Normal(name) => Some(name.to_string_lossy().into_owned()),
             _ => None,

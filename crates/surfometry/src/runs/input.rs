@@ -1,6 +1,6 @@
 //! One input: a file or a phantom.
 
-use super::Record;
+use super::{Record, visit_objects};
 use crate::accuracy::{Flag, FlagCode};
 use crate::io::{ImageHeader, ReadError, ReadOptions, VoxelStream};
 use crate::measurement::{EmbeddingKind, MeasureError, Measured, Measurement};
@@ -138,7 +138,12 @@ pub fn measure_input(
     progress: impl Fn(usize, usize) + Sync,
 ) -> Result<Vec<Record>, InputError> {
     if measurement.embedding == EmbeddingKind::Given {
-        return measure_field(input, measurement, options);
+        let mut records = Vec::new();
+        visit_objects(input, measurement, options, |field| {
+            records.push(field.record());
+            Ok(())
+        })?;
+        return Ok(records);
     }
     let source = open_labels(input, options.spacing)?;
     let results = measurement.run_labels(&source.image, &options.labels, progress)?;
@@ -149,18 +154,6 @@ pub fn measure_input(
         Record { input: input.to_owned(), label: Some(label), name: None, measured }
     };
     Ok(results.into_iter().map(record).collect())
-}
-
-fn measure_field(
-    input: &str,
-    measurement: &Measurement,
-    options: &InputOptions,
-) -> Result<Vec<Record>, InputError> {
-    let source = field_input(input, options)?;
-    let mut measured = measurement.run_field(&source.field)?;
-    measured.read_seconds = Some(source.read_seconds);
-    measured.flags.splice(0..0, source.flags);
-    Ok(vec![Record { input: input.to_owned(), label: None, name: None, measured }])
 }
 
 /// An opened field.

@@ -13,7 +13,7 @@ mod surface_record;
 
 #[cfg(feature = "pictures")]
 pub use file_ledger::FileLedger;
-pub use file_names::{distinct_parts, with_parts};
+pub use file_names::{distinct_parts, input_title, with_parts};
 pub use flatten::{columns_of, flatten};
 pub use input::{InputError, InputOptions, LabelInput, measure_input, open_labels};
 #[cfg(feature = "pictures")]

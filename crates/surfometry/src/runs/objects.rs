@@ -1,10 +1,10 @@
 //! The objects of one input, one after the other.
 
 use super::input::{field_input, open_labels};
-use super::{Failure, InputError, InputOptions, Record};
+use super::{Failure, InputError, InputOptions, Record, input_title};
 use crate::accuracy::Flag;
 use crate::measurement::{EmbeddingKind, Measurement, Object};
-use crate::phantoms::{Phantom, Truth};
+use crate::phantoms::Truth;
 use crate::surface::Surface;
 use crate::volume::LabelGroup;
 use std::cell::OnceCell;
@@ -32,10 +32,7 @@ pub struct InputObject<'a> {
 impl InputObject<'_> {
     /// Its name for people: the file's without its folders, and the label where the image holds several.
     pub fn title(&self) -> String {
-        let name = match std::path::Path::new(self.input).file_name() {
-            Some(name) if !Phantom::is_spec(self.input) => name.to_string_lossy().into_owned(),
-            _ => self.input.to_owned(),
-        };
+        let name = input_title(self.input);
         match &self.label {
             Some(label) if self.among_others => format!("{name}, label {label}"),
             _ => name,

@@ -12,11 +12,11 @@ use crate::topology::DisjointSets;
 /// Products commute, so both cells at the face get the same answer; of f32 values they are exact.
 pub(crate) fn joined_across(values: &[f64; 8], face: usize) -> bool {
     let [a, b, c, d] = face_corners(face).map(|corner| values[corner]);
-    joined([a, b, c, d])
+    inside_is_joined([a, b, c, d])
 }
 
 /// The same for four values in turn round a square, inside and outside alternately.
-fn joined([a, b, c, d]: [f64; 4]) -> bool {
+pub(crate) fn inside_is_joined([a, b, c, d]: [f64; 4]) -> bool {
     if a < 0.0 { a * c > b * d } else { b * d > a * c }
 }
 
@@ -96,7 +96,7 @@ fn regions_inside(values: &[f64; 8]) -> [usize; 8] {
             }
         }
         if inside[0] == inside[2] && inside[1] == inside[3] && inside[0] != inside[1] {
-            let first = usize::from(joined(*square) != inside[0]);
+            let first = usize::from(inside_is_joined(*square) != inside[0]);
             regions.join(node(level, first), node(level, first + 2));
         }
     }

@@ -50,13 +50,10 @@ pub(crate) fn stitched(parts: Vec<TileMesh>, grid: &Grid) -> Mesh {
     // By tile, the numbers of its vertices in the whole; those of borrowed ones are filled in afterwards.
     let mut numbers: Vec<Vec<u32>> = Vec::with_capacity(parts.len());
     for part in &parts {
-        let mut borrowed = part.borrowed.iter().map(|(vertex, _)| *vertex as usize).peekable();
-        let mut own = Vec::with_capacity(part.positions.len());
-        for (vertex, position) in part.positions.iter().enumerate() {
-            own.push(u32::try_from(mesh.vertices.len()).expect("fewer than 2^32 vertices"));
-            if borrowed.next_if_eq(&vertex).is_none() {
-                mesh.vertices.push(grid.affine().apply(*position));
-            }
+        let mut own = vec![0; part.positions.len()];
+        for (vertex, position) in part.own_vertices() {
+            own[vertex] = u32::try_from(mesh.vertices.len()).expect("fewer than 2^32 vertices");
+            mesh.vertices.push(grid.affine().apply(position));
         }
         lent.extend(part.lent.iter().map(|(vertex, key)| (*key, own[*vertex as usize])));
         numbers.push(own);

@@ -119,6 +119,12 @@ pub(crate) fn length(a: [f64; 3]) -> f64 {
     libm::sqrt(dot(a, a))
 }
 
+/// The direction of a vector that is not zero.
+pub(crate) fn unit(a: [f64; 3]) -> [f64; 3] {
+    let length = length(a);
+    a.map(|v| v / length)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -13,12 +13,15 @@ mod triangulation;
 mod vertex_array;
 mod vertex_geometry;
 
+#[cfg(feature = "pictures")]
+pub(crate) use cell_interior::inside_is_joined;
 pub use curvature_summary::CurvatureSummary;
 pub use distribution::{Distribution, Histogram, Moments, QUANTILES};
 pub use isosurface::{SurfaceSummary, extract};
 pub use mesh::Mesh;
+pub(crate) use mesh::{cross, dot};
 #[cfg(feature = "pictures")]
-pub(crate) use mesh::{cross, dot, length, minus};
+pub(crate) use mesh::{minus, unit};
 pub use quantity::LocalQuantity;
 pub use surface_map::Surface;
 pub use vertex_array::{VertexArray, VertexValues};

@@ -101,4 +101,9 @@ impl LocalQuantity {
             Self::Displacement => vertex.displacement,
         }
     }
+
+    /// Its values at vertices; `None` where any lacks it.
+    pub fn of_all(self, vertices: &[VertexGeometry]) -> Option<Vec<f64>> {
+        vertices.iter().map(|vertex| self.at(vertex)).collect()
+    }
 }

@@ -39,7 +39,8 @@ impl Surface {
         };
         let part = |tile: &IndexBox| {
             let mesh = tiles.mesh(tile);
-            let jets = derivatives.jets_at(&mesh.own_positions());
+            let positions: Vec<[f64; 3]> = mesh.own_vertices().map(|(_, position)| position).collect();
+            let jets = derivatives.jets_at(&positions);
             (mesh, jets.iter().map(geometry_at).collect::<Vec<_>>())
         };
         let (meshes, geometry): (Vec<TileMesh>, Vec<_>) = tiles.boxes.par_iter().map(part).unzip();
@@ -76,22 +77,26 @@ impl Surface {
 
     /// A quantity at every vertex; `None` where it is not defined.
     pub fn values(&self, quantity: LocalQuantity) -> Option<Vec<f64>> {
-        self.vertices.iter().map(|vertex| quantity.at(vertex)).collect()
+        quantity.of_all(&self.vertices)
     }
 
     /// Distributions of all quantities, by area and by vertex.
     pub fn distributions(&self) -> Vec<Distribution> {
-        LocalQuantity::ALL.into_iter().filter_map(|quantity| self.distribution(quantity)).collect()
+        let areas = self.weights();
+        LocalQuantity::ALL.into_iter().filter_map(|quantity| self.weighted(quantity, &areas)).collect()
     }
 
     /// Distribution of one quantity, without the vertices whose gradient has collapsed; `None` where it is not defined, or
     /// nothing is left.
     pub fn distribution(&self, quantity: LocalQuantity) -> Option<Distribution> {
-        let kept = |(vertex, area): (&VertexGeometry, f64)| {
-            if vertex.has_normal { Some((quantity.at(vertex)?, area)) } else { None }
+        self.weighted(quantity, &self.weights())
+    }
+
+    fn weighted(&self, quantity: LocalQuantity, areas: &[f64]) -> Option<Distribution> {
+        let kept = |(vertex, area): (&VertexGeometry, &f64)| {
+            if vertex.has_normal { Some((quantity.at(vertex)?, *area)) } else { None }
         };
-        let (values, areas): (Vec<f64>, Vec<f64>) =
-            self.vertices.iter().zip(self.weights()).filter_map(kept).unzip();
+        let (values, areas): (Vec<f64>, Vec<f64>) = self.vertices.iter().zip(areas).filter_map(kept).unzip();
         Distribution::of(quantity.name(), &values, &areas)
     }
 

@@ -51,11 +51,11 @@ impl TileMesh {
         builder.mesh
     }
 
-    /// Positions of the vertices that are this tile's own, in order.
-    pub(crate) fn own_positions(&self) -> Vec<[f64; 3]> {
+    /// Numbers and positions of the vertices that are this tile's own, in order.
+    pub(crate) fn own_vertices(&self) -> impl Iterator<Item = (usize, [f64; 3])> {
         let mut borrowed = self.borrowed.iter().map(|(vertex, _)| *vertex as usize).peekable();
-        let numbered = self.positions.iter().enumerate();
-        numbered.filter(|(vertex, _)| borrowed.next_if_eq(vertex).is_none()).map(|(_, p)| *p).collect()
+        let numbered = self.positions.iter().copied().enumerate();
+        numbered.filter(move |(vertex, _)| borrowed.next_if_eq(vertex).is_none())
     }
 }
 

@@ -1,6 +1,6 @@
 //! The geometry of the level set at a vertex, from the field's derivatives there.
 
-use super::mesh::{cross, dot, length};
+use super::mesh::{cross, dot, unit};
 use super::{LocalQuantity, VertexArray, VertexValues};
 use crate::local_geometry::{Curvature, Jet};
 use crate::volume::Grid;
@@ -62,8 +62,8 @@ impl VertexGeometry {
             values: VertexValues::Vector(vertices.iter().map(value).collect()),
         };
         let scalar = |quantity: LocalQuantity| {
-            let values: Option<Vec<f64>> = vertices.iter().map(|v| quantity.at(v)).collect();
-            values.map(|v| VertexArray { name: quantity.name(), values: VertexValues::Scalar(v) })
+            let values = VertexValues::Scalar(quantity.of_all(vertices)?);
+            Some(VertexArray { name: quantity.name(), values })
         };
         let [normal, directions @ ..] = DIRECTION_ARRAYS.map(vector);
         let mut arrays: Vec<VertexArray> = LocalQuantity::ALL.into_iter().filter_map(scalar).collect();
@@ -103,11 +103,6 @@ fn tangent(normal: [f64; 3]) -> [f64; 3] {
     let mut axis = [0.0; 3];
     axis[farthest] = 1.0;
     unit(cross(normal, axis))
-}
-
-fn unit(v: [f64; 3]) -> [f64; 3] {
-    let length = length(v);
-    v.map(|c| c / length)
 }
 
 impl Curvature {
