@@ -45,12 +45,12 @@ impl Embedding for DistanceEmbedding<'_> {
     }
 
     /// Distances beyond `half_width` and a stencil's reach are cut off there.
-    fn evaluate(&self, region: &IndexBox, half_width: f64) -> Block<f64> {
+    fn evaluate_in(&self, storage: Vec<f64>, region: &IndexBox, half_width: f64) -> Block<f64> {
         let reach = self.reach(half_width);
         let padded = region.grown(self.halo(half_width));
         let to_object = distances(self.mask, &padded, self.spacing, true);
         let to_background = distances(self.mask, &padded, self.spacing, false);
-        let mut phi = Block::filled(*region, 0.0);
+        let mut phi = Block::filled_in(storage, *region, 0.0);
         for (y, z) in region.rows() {
             let start = to_object.offset([region.lower[0], y, z]);
             let pairs = to_object.values()[start..].iter().zip(&to_background.values()[start..]);

@@ -1,5 +1,6 @@
 //! The paper's embedding: the blurred indicator.
 
+use super::blur::{Blur, LANES};
 use super::point_kernel::{PointDerivatives, PointKernel};
 use super::{Embedding, Separable};
 use crate::tiling::{Block, IndexBox};
@@ -14,6 +15,7 @@ pub struct GaussianEmbedding<'a> {
     mask: &'a Mask,
     sigma: f64,
     level: f64,
+    blur: Blur,
     convolution: Separable,
     at_points: PointKernel,
 }
@@ -22,8 +24,14 @@ impl<'a> GaussianEmbedding<'a> {
     /// The embedding of a mask with sigma in mm and level T; kernels are cut at `truncation` sigma.
     pub fn new(mask: &'a Mask, sigma: f64, level: f64, truncation: f64) -> Self {
         let spacing = mask.grid().spacing().mm();
-        let convolution = Separable::new(sigma, spacing, truncation);
-        Self { mask, sigma, level, convolution, at_points: PointKernel::new(sigma, spacing, truncation) }
+        Self {
+            mask,
+            sigma,
+            level,
+            blur: Blur::new(sigma, spacing, truncation),
+            convolution: Separable::new(sigma, spacing, truncation),
+            at_points: PointKernel::new(sigma, spacing, truncation),
+        }
     }
 
     /// The object.
@@ -58,14 +66,19 @@ impl Embedding for GaussianEmbedding<'_> {
         self.mask.bounds().grown(self.convolution.halo())
     }
 
-    fn evaluate(&self, region: &IndexBox, _half_width: f64) -> Block<f32> {
+    fn evaluate_in(&self, storage: Vec<f32>, region: &IndexBox, _half_width: f64) -> Block<f32> {
         let level = self.level as f32;
-        let mut phi = Block::filled(*region, level);
-        let [nx, ny, _] = region.extent();
-        self.convolution.for_each_slice(self.mask, region, &[[0, 0, 0]], |z, planes| {
-            let start = phi.offset([region.lower[0], region.lower[1], z]);
-            let slice = &mut phi.values_mut()[start..][..nx * ny];
-            slice.iter_mut().zip(&planes[0]).for_each(|(p, blurred)| *p = level - blurred);
+        let mut phi = Block::filled_in(storage, *region, level);
+        let nx = region.extent()[0];
+        let mut padded = *region;
+        padded.upper[0] = region.lower[0] + (nx.div_ceil(LANES) * LANES) as i64;
+        let mut rows = phi.values_mut().chunks_exact_mut(nx);
+        self.blur.for_each_row(self.mask, &padded, |blurred| {
+            let row = rows.next().expect("a row for each");
+            match blurred {
+                Ok(blurred) => row.iter_mut().zip(blurred).for_each(|(phi, b)| *phi = level - b),
+                Err(value) => row.fill(level - value),
+            }
         });
         phi
     }

@@ -1,5 +1,6 @@
 //! From an object to a field phi whose zero level set is its surface, negative inside.
 
+mod blur;
 mod distance;
 mod gaussian;
 mod given;
@@ -7,6 +8,7 @@ mod kernel;
 mod point_kernel;
 mod separable;
 
+pub(crate) use blur::LANES;
 pub use distance::DistanceEmbedding;
 pub use gaussian::GaussianEmbedding;
 pub use kernel::{GaussianKernel, TRUNCATION};
@@ -17,7 +19,7 @@ use crate::tiling::{Block, IndexBox};
 /// A field that can be had on any box of voxels.
 pub trait Embedding: Sync {
     /// Precision in which the field is kept.
-    type Value: Copy + Into<f64>;
+    type Value: Copy + Into<f64> + Send;
 
     /// A box outside which no voxel can have |phi| <= `half_width` or phi < 0.
     fn support(&self, half_width: f64) -> IndexBox;
@@ -27,8 +29,18 @@ pub trait Embedding: Sync {
         *region
     }
 
-    /// The field on a box; `half_width` is the largest |phi| that needs to be exact.
-    fn evaluate(&self, region: &IndexBox, half_width: f64) -> Block<Self::Value>;
+    /// The field on a box, in memory that was used before; `half_width` is the largest |phi| that needs to be exact.
+    fn evaluate_in(
+        &self,
+        storage: Vec<Self::Value>,
+        region: &IndexBox,
+        half_width: f64,
+    ) -> Block<Self::Value>;
+
+    /// The field on a box.
+    fn evaluate(&self, region: &IndexBox, half_width: f64) -> Block<Self::Value> {
+        self.evaluate_in(Vec::new(), region, half_width)
+    }
 
     /// `Some(phi)` where the field is constant on a box, or beyond `half_width` and of one sign, known without
     /// evaluating it.

@@ -38,8 +38,12 @@ impl Band {
 
     /// The curvature at a point of the surface; `None` where the gradient has collapsed.
     pub fn curvature(&self, jet: &Jet) -> Option<Curvature> {
-        let gradient = jet.gradient_magnitude();
-        let stands = gradient.is_finite() && gradient >= self.minimum_gradient;
-        Curvature::of(jet).filter(|_| stands)
+        Curvature::of(jet).filter(|_| self.stands(jet.gradient_magnitude()))
+    }
+
+    /// Whether a gradient is one that a surface has.
+    #[inline(always)]
+    pub(super) fn stands(&self, gradient: f64) -> bool {
+        gradient.is_finite() & (gradient >= self.minimum_gradient)
     }
 }

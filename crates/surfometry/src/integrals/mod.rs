@@ -11,22 +11,9 @@ pub use quadrature::{Quadrature, QuadratureRule};
 pub use smeared::{SmearedDelta, Smearing};
 
 use crate::local_geometry::Differentiation;
-use crate::tiling::{IndexBox, TILE_EDGE};
+use crate::tiling::IndexBox;
 use crate::volume::Spacing;
 use rayon::prelude::*;
-
-/// Integrates over an object's surface and inside, tile by tile, in parallel.
-///
-/// The result is the same to the last bit for any number of threads: see [`Partial`].
-pub fn integrate<D: Differentiation + ?Sized>(
-    scheme: &D,
-    band: &Band,
-    quadrature: &Quadrature,
-    spacing: Spacing,
-) -> Integrals {
-    let tiles = scheme.support(band.delta().half_width()).tiles(TILE_EDGE);
-    Integrals::of(&integrate_boxes(scheme, &tiles, band, quadrature), spacing)
-}
 
 /// The part of an object's integrals that lies in some boxes, each of which is one tile or a part of one.
 ///
@@ -38,8 +25,9 @@ pub fn integrate_boxes<D: Differentiation + ?Sized>(
     band: &Band,
     quadrature: &Quadrature,
 ) -> Partial {
-    let part = |region: &IndexBox| {
-        Partial::of_tile(&scheme.sample(region, band.delta().half_width()), band, quadrature)
+    let part = |tile: &IndexBox| {
+        let field = scheme.tile_field(Vec::new(), tile, band.delta().half_width());
+        Partial::of_tile(scheme, &field, tile, band, quadrature)
     };
     boxes.par_iter().map(part).reduce(Partial::default, |a, b| a.merged(&b))
 }

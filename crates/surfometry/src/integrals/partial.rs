@@ -1,8 +1,13 @@
 //! What one tile adds to the integrals, and how tiles add up.
 
-use super::{Band, Quadrature, SmearedDelta};
-use crate::local_geometry::{Curvature, TileSample};
-use crate::tiling::{ExactSum, IndexBox};
+use super::{Band, Quadrature};
+use crate::local_geometry::{BandVoxels, Curvature, Differentiation, Jet, TileField};
+use crate::tiling::{Block, ExactSum, IndexBox};
+use fearless_simd::{Level, dispatch};
+
+/// Voxels that are computed together. Sums run over every eighth voxel, then over the eight.
+const LANES: usize = 8;
+type Lanes = [f64; LANES];
 
 /// Declares the surface integrals: one line each, a name and the integrand as a function of the curvature.
 macro_rules! surface_integrals {
@@ -14,14 +19,30 @@ macro_rules! surface_integrals {
         }
 
         impl SurfaceIntegrals {
-            /// Adds a piece of surface of the given area and curvature.
-            fn add(&mut self, area: f64, curvature: &Curvature) {
-                $(self.$name += area * { let $c = curvature; $integrand };)*
-            }
-
             /// The sums with another factor.
             fn map(&self, f: impl Fn(f64) -> f64) -> Self {
                 Self { $($name: f(self.$name),)* }
+            }
+        }
+
+        /// The same of every eighth voxel.
+        #[derive(Default)]
+        struct LaneSums {
+            $($name: Lanes,)*
+        }
+
+        impl LaneSums {
+            /// Adds pieces of surface of the given areas and curvatures.
+            #[inline(always)]
+            fn add(&mut self, areas: &Lanes, curvatures: &[Curvature; LANES]) {
+                $(for lane in 0..LANES {
+                    let $c = &curvatures[lane];
+                    self.$name[lane] += areas[lane] * $integrand;
+                })*
+            }
+
+            fn total(&self) -> SurfaceIntegrals {
+                SurfaceIntegrals { $($name: self.$name.iter().sum(),)* }
             }
         }
 
@@ -77,48 +98,60 @@ pub struct Partial {
 }
 
 impl Partial {
-    /// The part of one tile.
-    pub fn of_tile(tile: &TileSample, band: &Band, quadrature: &Quadrature) -> Self {
-        let weights = Weights::new(quadrature, tile.region());
+    /// The part of one tile, from its field.
+    pub fn of_tile<D: Differentiation + ?Sized>(
+        scheme: &D,
+        field: &TileField<D>,
+        tile: &IndexBox,
+        band: &Band,
+        quadrature: &Quadrature,
+    ) -> Self {
+        let weights = Weights::new(quadrature, *tile);
         let mut partial = Self::default();
-        let volume = partial.add_volume(tile, band.delta(), &weights);
-        partial.volume.add(volume);
-        let surface = partial.add_surface(tile, band, &weights);
-        partial.surface.add(&surface);
+        match field {
+            TileField::Constant(phi) if *phi >= 0.0 => {}
+            TileField::Constant(_) => {
+                partial.inside_voxels = tile.voxels() as u64;
+                partial.volume.add(weights.total());
+            }
+            TileField::Varying(field) => {
+                let half_width = band.delta().half_width();
+                let beyond = partial.add_inside(field, tile, half_width, &weights);
+                let mut sums = BandSums::default();
+                scheme.visit_band(field, tile, half_width, &mut |voxels| {
+                    dispatch!(Level::new(), _simd => sums.add(voxels, band, &weights));
+                });
+                partial.volume.add(beyond + sums.volume.iter().sum::<f64>());
+                partial.surface.add(&sums.surface.total());
+                partial.band_voxels = sums.voxels;
+                partial.voxels_without_normal = sums.without_normal;
+            }
+        }
         partial
     }
 
-    fn add_volume(&mut self, tile: &TileSample, delta: &SmearedDelta, weights: &Weights) -> f64 {
-        match tile {
-            TileSample::Constant { phi, .. } if *phi >= 0.0 => 0.0,
-            TileSample::Constant { region, .. } => {
-                self.inside_voxels += region.voxels() as u64;
-                weights.total()
-            }
-            TileSample::Varying { phi, .. } => {
-                let mut sum = 0.0;
-                for (y, z) in phi.region().rows() {
-                    let row = phi.row(y, z);
-                    self.inside_voxels += row.iter().filter(|&&p| p < 0.0).count() as u64;
-                    sum += weights.row(y, z)
-                        * weights.x.iter().zip(row).map(|(w, p)| w * delta.heaviside(-p)).sum::<f64>();
-                }
-                sum
-            }
+    /// Counts the voxels inside; the weight of those that the band does not reach, whose Heaviside is 1.
+    fn add_inside<T: Copy + Into<f64>>(
+        &mut self,
+        field: &Block<T>,
+        tile: &IndexBox,
+        half_width: f64,
+        weights: &Weights,
+    ) -> f64 {
+        let mut beyond = 0.0;
+        for (y, z) in tile.rows() {
+            let start = field.offset([tile.lower[0], y, z]);
+            let row = &field.values()[start..][..tile.extent()[0]];
+            self.inside_voxels += row.iter().map(|&p| u64::from(p.into() < 0.0)).sum::<u64>();
+            let outside_band = |&p: &T| p.into() < -half_width;
+            beyond += weights.row(y, z)
+                * if weights.uniform {
+                    row.iter().map(|p| u64::from(outside_band(p))).sum::<u64>() as f64
+                } else {
+                    weights.x.iter().zip(row).filter(|(_, p)| outside_band(p)).map(|(w, _)| w).sum()
+                };
         }
-    }
-
-    fn add_surface(&mut self, tile: &TileSample, band: &Band, weights: &Weights) -> SurfaceIntegrals {
-        let mut sums = SurfaceIntegrals::default();
-        let TileSample::Varying { band: voxels, .. } = tile else { return sums };
-        self.band_voxels = voxels.len() as u64;
-        for voxel in voxels {
-            match band.element(&voxel.jet) {
-                Some((density, curvature)) => sums.add(density * weights.at(voxel.index), &curvature),
-                None => self.voxels_without_normal += 1,
-            }
-        }
-        sums
+        beyond
     }
 
     /// Two parts as one.
@@ -143,8 +176,70 @@ impl Partial {
     }
 }
 
+/// Sums over the band of one tile.
+#[derive(Default)]
+struct BandSums {
+    /// Of theta(-phi).
+    volume: Lanes,
+    surface: LaneSums,
+    voxels: u64,
+    without_normal: u64,
+}
+
+impl BandSums {
+    #[inline(always)]
+    fn add(&mut self, voxels: &BandVoxels, band: &Band, weights: &Weights) {
+        self.voxels += voxels.len() as u64;
+        for start in (0..voxels.len()).step_by(LANES) {
+            let count = (voxels.len() - start).min(LANES);
+            let column = |n: usize| -> &Lanes {
+                voxels.columns[n][start..][..LANES].try_into().expect("columns are a multiple of the lanes long")
+            };
+            let columns: [&Lanes; 10] = std::array::from_fn(column);
+            // 0 in the lanes that no voxel fills.
+            let mut weight: Lanes = std::array::from_fn(|lane| f64::from(u8::from(lane < count)));
+            if !weights.uniform {
+                let indices = &voxels.indices[start..start + count];
+                weight.iter_mut().zip(indices).for_each(|(w, &index)| *w = weights.at(index));
+            }
+            self.add_lanes(columns, &weight, band);
+        }
+    }
+
+    #[inline(always)]
+    fn add_lanes(&mut self, columns: [&Lanes; 10], weight: &Lanes, band: &Band) {
+        let (delta, heaviside) = band.delta().lanes(columns[0]);
+        let mut curvatures = [Curvature { mean: 0.0, gaussian: 0.0 }; LANES];
+        let (mut areas, mut without) = ([0.0; LANES], [0.0; LANES]);
+        for lane in 0..LANES {
+            let jet = Jet {
+                value: columns[0][lane],
+                gradient: [columns[1][lane], columns[2][lane], columns[3][lane]],
+                hessian: std::array::from_fn(|n| columns[4 + n][lane]),
+            };
+            let gradient = jet.gradient_magnitude();
+            let curvature = Curvature::formula(&jet);
+            let stands = band.stands(gradient) & curvature.is_finite();
+            areas[lane] = if stands { weight[lane] * delta[lane] * gradient } else { 0.0 };
+            without[lane] = if stands { 0.0 } else { 1.0 };
+            curvatures[lane] = Curvature {
+                mean: if stands { curvature.mean } else { 0.0 },
+                gaussian: if stands { curvature.gaussian } else { 0.0 },
+            };
+        }
+        self.surface.add(&areas, &curvatures);
+        for lane in 0..LANES {
+            self.volume[lane] += weight[lane] * heaviside[lane];
+            // A quadrature's weights are never 0.
+            self.without_normal += u64::from(without[lane] > 0.0 && weight[lane] > 0.0);
+        }
+    }
+}
+
 /// Quadrature weights of a tile.
 struct Weights {
+    /// Whether all are 1.
+    uniform: bool,
     lower: [i64; 3],
     x: Vec<f64>,
     y: Vec<f64>,
@@ -154,7 +249,7 @@ struct Weights {
 impl Weights {
     fn new(quadrature: &Quadrature, IndexBox { lower, upper }: IndexBox) -> Self {
         let axis = |a: usize| quadrature.weights(a, lower[a]..upper[a]);
-        Self { lower, x: axis(0), y: axis(1), z: axis(2) }
+        Self { uniform: quadrature.is_uniform(), lower, x: axis(0), y: axis(1), z: axis(2) }
     }
 
     fn row(&self, y: i64, z: i64) -> f64 {

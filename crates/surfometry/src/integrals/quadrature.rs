@@ -36,6 +36,11 @@ impl Quadrature {
         Self { rule, ends: Some(dimensions.map(|n| n as i64)) }
     }
 
+    /// Whether every voxel weighs 1.
+    pub(super) fn is_uniform(&self) -> bool {
+        self.rule == QuadratureRule::Sum
+    }
+
     /// Weights of a range of indices along an axis, in units of the spacing.
     pub fn weights(&self, axis: usize, range: Range<i64>) -> Vec<f64> {
         range.map(|index| self.weight(axis, index)).collect()

@@ -56,13 +56,40 @@ impl SmearedDelta {
         self.epsilon * libm::sqrt(12.0 * SINE_VARIANCE) / PI
     }
 
+    /// delta(phi) and theta(-phi) of voxels within the half-width.
+    #[inline(always)]
+    pub(super) fn lanes<const N: usize>(&self, phi: &[f64; N]) -> ([f64; N], [f64; N]) {
+        let (mut delta, mut heaviside) = ([0.0; N], [0.0; N]);
+        match self.smearing {
+            Smearing::Sine => {
+                for lane in 0..N {
+                    (delta[lane], heaviside[lane]) = self.sine(-phi[lane]);
+                }
+            }
+            Smearing::Tanh => {
+                for lane in 0..N {
+                    (delta[lane], heaviside[lane]) = (self.delta(phi[lane]), self.heaviside(-phi[lane]));
+                }
+            }
+        }
+        (delta, heaviside)
+    }
+
+    /// delta and theta of the sine within the half-width; 1 + cos x and sin x by half the angle.
+    #[inline(always)]
+    fn sine(&self, phi: f64) -> (f64, f64) {
+        let x = phi / self.epsilon;
+        let (sin, cos) = sin_cos_half_pi(x);
+        (cos * cos / self.epsilon, 0.5 * (1.0 + x) + sin * cos / PI)
+    }
+
     /// delta(phi), in units of 1/phi.
     pub fn delta(&self, phi: f64) -> f64 {
         if phi.abs() > self.half_width {
             return 0.0;
         }
         match self.smearing {
-            Smearing::Sine => (1.0 + libm::cos(PI * phi / self.epsilon)) / (2.0 * self.epsilon),
+            Smearing::Sine => self.sine(phi).0,
             Smearing::Tanh => {
                 let s = self.tanh_scale();
                 let cosh = libm::cosh(phi / s);
@@ -80,10 +107,7 @@ impl SmearedDelta {
             return 1.0;
         }
         match self.smearing {
-            Smearing::Sine => {
-                let x = phi / self.epsilon;
-                0.5 * (1.0 + x + libm::sin(PI * x) / PI)
-            }
+            Smearing::Sine => self.sine(phi).1,
             Smearing::Tanh => {
                 let s = self.tanh_scale();
                 0.5 * (1.0 + libm::tanh(phi / s) / libm::tanh(self.half_width / s))
@@ -92,9 +116,49 @@ impl SmearedDelta {
     }
 }
 
+/// Terms of a series in -angle^2, each the one before over (n - 1) n, the n of the first being `n`.
+const fn series(mut n: f64) -> [f64; 11] {
+    let mut factors = [0.0; 11];
+    let mut k = 0;
+    while k < 11 {
+        factors[k] = -1.0 / ((n - 1.0) * n);
+        n += 2.0;
+        k += 1;
+    }
+    factors
+}
+
+const COSINE: [f64; 11] = series(2.0);
+const SINE: [f64; 11] = series(3.0);
+
+/// Sine and cosine of pi x / 2 for |x| <= 1, from their series: without a branch, so that many are computed at once. The first
+/// term that is left out is below 1e-17.
+#[inline(always)]
+fn sin_cos_half_pi(x: f64) -> (f64, f64) {
+    let angle = 0.5 * PI * x;
+    let square = angle * angle;
+    // Horner's rule, from the last term.
+    let (mut sin, mut cos) = (1.0, 1.0);
+    for k in (0..11).rev() {
+        cos = 1.0 + square * COSINE[k] * cos;
+        sin = 1.0 + square * SINE[k] * sin;
+    }
+    (angle * sin, cos)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn series_are_sine_and_cosine() {
+        for step in -1000..=1000 {
+            let x = f64::from(step) / 1000.0;
+            let (sin, cos) = sin_cos_half_pi(x);
+            let (exact_sin, exact_cos) = libm::sincos(0.5 * PI * x);
+            assert!((sin - exact_sin).abs() < 5e-16 && (cos - exact_cos).abs() < 5e-16, "{x}");
+        }
+    }
 
     #[test]
     fn the_delta_is_the_heavisides_derivative_and_weighs_one() {

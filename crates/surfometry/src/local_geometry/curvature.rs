@@ -22,6 +22,18 @@ impl Curvature {
     /// Besler et al., appendix, with two corrections: H is half of what is printed, and the last term of K is
     /// 2 phi_x **phi_z** (phi_xy phi_yz - phi_xz phi_yy). The printed phi_x phi_y is invisible on axis-aligned shapes.
     pub fn of(jet: &Jet) -> Option<Self> {
+        let curvature = Self::formula(jet);
+        curvature.is_finite().then_some(curvature)
+    }
+
+    #[inline(always)]
+    pub(crate) fn is_finite(&self) -> bool {
+        self.mean.is_finite() & self.gaussian.is_finite()
+    }
+
+    /// H and K by their formula, whatever comes out where there is no normal.
+    #[inline(always)]
+    pub(crate) fn formula(jet: &Jet) -> Self {
         let [x, y, z] = jet.gradient;
         let [xx, yy, zz, xy, xz, yz] = jet.hessian;
         let (x2, y2, z2) = (x * x, y * y, z * z);
@@ -34,9 +46,7 @@ impl Curvature {
             + 2.0 * x * y * (xz * yz - xy * zz)
             + 2.0 * y * z * (xy * xz - yz * xx)
             + 2.0 * x * z * (xy * yz - xz * yy);
-        let curvature =
-            Self { mean: h / (2.0 * square * libm::sqrt(square)), gaussian: k / (square * square) };
-        (curvature.mean.is_finite() && curvature.gaussian.is_finite()).then_some(curvature)
+        Self { mean: h / (2.0 * square * square.sqrt()), gaussian: k / (square * square) }
     }
 
     /// k1 >= k2, 1/mm. H^2 - K, which rounding can make negative at umbilics, is clamped at 0.

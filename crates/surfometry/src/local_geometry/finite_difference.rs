@@ -2,7 +2,7 @@
 
 use super::interpolation::interpolated_jet;
 use super::stencil::Stencil;
-use super::{BandVoxel, Differentiation, Jet, TileSample, band_indices, hull_of_points};
+use super::{BandVoxels, Differentiation, Jet, band_indices};
 use crate::embedding::Embedding;
 use crate::tiling::{Block, ExactSum, IndexBox, TILE_EDGE};
 use crate::volume::{FieldImage, Mask};
@@ -24,11 +24,6 @@ impl<E: Embedding> FiniteDifferences<E> {
     /// Differences of an embedding on a grid of the given spacing in mm.
     pub fn new(embedding: E, spacing: [f64; 3]) -> Self {
         Self { embedding, spacing }
-    }
-
-    /// The field that is differentiated.
-    pub fn embedding(&self) -> &E {
-        &self.embedding
     }
 
     fn jet(&self, phi: &Block<E::Value>, index: [i64; 3]) -> Jet {
@@ -93,35 +88,33 @@ fn moved(mut index: [i64; 3], axis: usize, step: i64) -> [i64; 3] {
 }
 
 impl<E: Embedding> Differentiation for FiniteDifferences<E> {
-    fn support(&self, half_width: f64) -> IndexBox {
-        self.embedding.support(half_width)
+    type Field = E;
+
+    fn embedding(&self) -> &E {
+        &self.embedding
     }
 
-    fn sample(&self, tile: &IndexBox, half_width: f64) -> TileSample {
-        if let Some(phi) = self.embedding.constant_on(tile, half_width) {
-            return TileSample::Constant { region: *tile, phi };
+    fn field_region(&self, tile: &IndexBox) -> IndexBox {
+        self.embedding.available(&tile.grown(REACH))
+    }
+
+    fn visit_band(
+        &self,
+        field: &Block<E::Value>,
+        tile: &IndexBox,
+        half_width: f64,
+        visit: &mut dyn FnMut(&BandVoxels),
+    ) {
+        let mut voxels = BandVoxels::new();
+        for index in band_indices(field, tile, half_width) {
+            voxels.push_jet(index, &self.jet(field, index), visit);
         }
-        let padded = self.embedding.available(&tile.grown(REACH));
-        let values = self.embedding.evaluate(&padded, half_width);
-        let mut phi = Block::filled(*tile, 0.0);
-        for (y, z) in tile.rows() {
-            let start = values.offset([tile.lower[0], y, z]);
-            let row = phi.row_mut(y, z);
-            row.iter_mut().zip(&values.values()[start..]).for_each(|(p, &v)| *p = v.into());
-        }
-        let band = band_indices(&phi, half_width)
-            .into_iter()
-            .map(|index| BandVoxel { index, jet: self.jet(&values, index) })
-            .collect();
-        TileSample::Varying { phi, band }
+        voxels.flush(visit);
     }
 
     /// Differentiates the polynomial through the 6 x 6 x 6 voxels around each point: second derivatives are of fourth
     /// order there, as on the grid.
-    fn jets_at(&self, points: &[[f64; 3]]) -> Vec<Jet> {
-        let Some(hull) = hull_of_points(points) else { return Vec::new() };
-        let region = self.embedding.available(&hull.grown(REACH));
-        let values = self.embedding.evaluate(&region, 0.0);
-        points.iter().map(|&p| interpolated_jet(&values, p, self.spacing)).collect()
+    fn jets_at(&self, field: &Block<E::Value>, points: &[[f64; 3]]) -> Vec<Jet> {
+        points.iter().map(|&p| interpolated_jet(field, p, self.spacing)).collect()
     }
 }

@@ -2,8 +2,8 @@
 
 use super::interpolation::interpolated_values;
 use super::jet::ORDERS;
-use super::{BandVoxel, Differentiation, Jet, TileSample, band_indices, hull_of_points};
-use crate::embedding::{Embedding, GaussianEmbedding};
+use super::{BandVoxels, Differentiation, Jet, band_indices, hull_of_points};
+use crate::embedding::GaussianEmbedding;
 use crate::tiling::{Block, IndexBox};
 
 /// First and second derivatives straight from the mask, without differences.
@@ -27,54 +27,49 @@ impl<'a> GaussianDerivatives<'a> {
     pub fn new(embedding: GaussianEmbedding<'a>) -> Self {
         Self { embedding }
     }
+}
 
-    /// The field that is differentiated.
-    pub fn embedding(&self) -> &GaussianEmbedding<'a> {
+impl<'a> Differentiation for GaussianDerivatives<'a> {
+    type Field = GaussianEmbedding<'a>;
+
+    fn embedding(&self) -> &Self::Field {
         &self.embedding
     }
 
-    /// Derivatives at the band's voxels, the hull of which is all that is convolved.
-    fn band(&self, phi: &Block<f64>, indices: &[[i64; 3]]) -> Vec<BandVoxel> {
-        let sigma = self.embedding.sigma();
+    fn field_region(&self, tile: &IndexBox) -> IndexBox {
+        tile.grown([1; 3])
+    }
+
+    /// Convolves over the hull of the band alone.
+    fn visit_band(
+        &self,
+        field: &Block<f32>,
+        tile: &IndexBox,
+        half_width: f64,
+        visit: &mut dyn FnMut(&BandVoxels),
+    ) {
+        let indices = band_indices(field, tile, half_width);
+        let unit = self.embedding.sigma();
         let hull = indices.iter().fold(IndexBox::EMPTY, |hull, &i| hull.hull(&IndexBox::voxel(i)));
-        let mut band = Vec::with_capacity(indices.len());
-        let mut rest = indices;
+        let (mut rest, mut voxels) = (indices.as_slice(), BandVoxels::new());
         let nx = hull.extent()[0];
         let convolution = self.embedding.convolution();
         convolution.for_each_slice(self.embedding.mask(), &hull, &DERIVATIVES, |z, planes| {
             let (slice, others) = rest.split_at(rest.partition_point(|i| i[2] <= z));
             rest = others;
-            band.extend(slice.iter().map(|&index| {
+            for &index in slice {
                 let offset = (index[1] - hull.lower[1]) as usize * nx + (index[0] - hull.lower[0]) as usize;
-                let jet = jet_of_blur(phi.get(index), sigma, |n| f64::from(planes[n][offset]));
-                BandVoxel { index, jet }
-            }));
+                let jet = jet_of_blur(field.get(index).into(), unit, |n| f64::from(planes[n][offset]));
+                voxels.push_jet(index, &jet, visit);
+            }
         });
-        band
-    }
-}
-
-impl Differentiation for GaussianDerivatives<'_> {
-    fn support(&self, half_width: f64) -> IndexBox {
-        self.embedding.support(half_width)
-    }
-
-    fn sample(&self, tile: &IndexBox, half_width: f64) -> TileSample {
-        if let Some(phi) = self.embedding.constant_on(tile, half_width) {
-            return TileSample::Constant { region: *tile, phi };
-        }
-        let values = self.embedding.evaluate(tile, half_width);
-        let mut phi = Block::filled(*tile, 0.0);
-        phi.values_mut().iter_mut().zip(values.values()).for_each(|(p, &v)| *p = f64::from(v));
-        let indices = band_indices(&phi, half_width);
-        let band = self.band(&phi, &indices);
-        TileSample::Varying { phi, band }
+        voxels.flush(visit);
     }
 
     /// Convolved with kernels that are centred at each point; interpolated between the derivatives on the grid where the blur is wide
     /// in voxels, which convolving pays for with the square of sigma while nothing is lost, and where it is narrower than a
     /// voxel, so that a Gaussian's samples depend on where between the voxels they are taken.
-    fn jets_at(&self, points: &[[f64; 3]]) -> Vec<Jet> {
+    fn jets_at(&self, _field: &Block<f32>, points: &[[f64; 3]]) -> Vec<Jet> {
         let sigma = self.embedding.sigma();
         let spacing = self.embedding.mask().grid().spacing();
         if sigma > WIDE * spacing.largest() || sigma < NARROW * spacing.largest() {

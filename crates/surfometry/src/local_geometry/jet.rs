@@ -27,8 +27,9 @@ pub(super) const ORDERS: [[usize; 3]; 10] = [
 
 impl Jet {
     /// |grad phi|, 1/mm.
+    #[inline(always)]
     pub fn gradient_magnitude(&self) -> f64 {
         let [x, y, z] = self.gradient;
-        libm::sqrt(x * x + y * y + z * z)
+        (x * x + y * y + z * z).sqrt()
     }
 }

@@ -1,76 +1,102 @@
 //! Derivatives of the embedding at a voxel and the curvatures of the level set through it.
 
+mod band_voxels;
 mod curvature;
 mod finite_difference;
 mod gaussian_derivatives;
 mod interpolation;
 mod jet;
+mod matched_difference;
+mod matched_weights;
 mod stencil;
 
+pub use band_voxels::{BandVoxel, BandVoxels};
 pub use curvature::Curvature;
 pub use finite_difference::FiniteDifferences;
 pub use gaussian_derivatives::GaussianDerivatives;
 pub use jet::Jet;
+pub use matched_difference::MatchedDifferences;
 pub use stencil::MINIMUM_POINTS;
 
+use crate::embedding::Embedding;
 use crate::tiling::{Block, IndexBox};
 
-/// A scheme that hands out an embedding with its derivatives near the surface.
+/// A scheme that differentiates an embedding near its surface.
+///
+/// Whoever asks has evaluated the embedding on [`Differentiation::field_region`] of a tile, once for all that is wanted there.
 pub trait Differentiation: Sync {
-    /// A box outside which there is neither band nor inside.
-    fn support(&self, half_width: f64) -> IndexBox;
+    /// The embedding.
+    type Field: Embedding;
 
-    /// The field on a tile, and its first and second derivatives wherever |phi| <= `half_width`.
-    fn sample(&self, tile: &IndexBox, half_width: f64) -> TileSample;
+    /// The field that is differentiated.
+    fn embedding(&self) -> &Self::Field;
 
-    /// The field and its derivatives, taken there, at points off the grid: fractional voxel indices, near each other.
-    /// Derivatives are along the image's axes, in mm.
-    fn jets_at(&self, points: &[[f64; 3]]) -> Vec<Jet>;
-}
+    /// Where the field must be known for a tile: at least on the tile and one voxel around it, as far as the field exists.
+    fn field_region(&self, tile: &IndexBox) -> IndexBox;
 
-/// What the integrals need of one tile.
-#[derive(Debug)]
-pub enum TileSample {
-    /// No voxel of the tile lies in the band, and all are on one side of it.
-    Constant {
-        /// The tile.
-        region: IndexBox,
-        /// Its field value, or one of the same side.
-        phi: f64,
-    },
-    /// The field, and the band's voxels with their derivatives.
-    Varying {
-        /// phi at every voxel.
-        phi: Block<f64>,
-        /// Voxels with |phi| <= the half width, in memory order.
-        band: Vec<BandVoxel>,
-    },
-}
+    /// Hands on the voxels of a tile where |phi| <= `half_width`, with the first and second derivatives there, in an order that depends on
+    /// nothing else.
+    fn visit_band(
+        &self,
+        field: &FieldBlock<Self>,
+        tile: &IndexBox,
+        half_width: f64,
+        visit: &mut dyn FnMut(&BandVoxels),
+    );
 
-/// A voxel of the band.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct BandVoxel {
-    /// Image index.
-    pub index: [i64; 3],
-    /// The field and its derivatives there.
-    pub jet: Jet,
-}
+    /// The field and its derivatives, taken there, at points of a tile off the grid: fractional voxel indices. Derivatives are along
+    /// the image's axes, in mm.
+    fn jets_at(&self, field: &FieldBlock<Self>, points: &[[f64; 3]]) -> Vec<Jet>;
 
-impl TileSample {
-    /// The tile.
-    pub fn region(&self) -> IndexBox {
-        match self {
-            Self::Constant { region, .. } => *region,
-            Self::Varying { phi, .. } => phi.region(),
+    /// The field of a tile, in memory that was used before.
+    fn tile_field(&self, storage: Vec<FieldValue<Self>>, tile: &IndexBox, half_width: f64) -> TileField<Self> {
+        // A tile's cells reach one voxel beyond it.
+        let cells = self.embedding().available(&IndexBox::new(tile.lower, tile.upper.map(|u| u + 1)));
+        match self.embedding().constant_on(&cells, half_width) {
+            Some(phi) => TileField::Constant(phi),
+            None => TileField::Varying(self.embedding().evaluate_in(
+                storage,
+                &self.field_region(tile),
+                half_width,
+            )),
         }
+    }
+
+    /// The band's voxels in a tile.
+    fn band(&self, tile: &IndexBox, half_width: f64) -> Vec<BandVoxel> {
+        let mut voxels = Vec::new();
+        if let TileField::Varying(field) = self.tile_field(Vec::new(), tile, half_width) {
+            self.visit_band(&field, tile, half_width, &mut |band| voxels.extend(band.iter()));
+        }
+        voxels
+    }
+
+    /// As [`Differentiation::jets_at`], for points near each other, from the embedding.
+    fn jets(&self, points: &[[f64; 3]]) -> Vec<Jet> {
+        let Some(hull) = hull_of_points(points) else { return Vec::new() };
+        self.jets_at(&self.embedding().evaluate(&self.field_region(&hull), 0.0), points)
     }
 }
 
-/// Indices of a block where |phi| <= `half_width`, in memory order.
-fn band_indices<T: Copy + Into<f64>>(phi: &Block<T>, half_width: f64) -> Vec<[i64; 3]> {
+/// Precision of a scheme's field.
+pub type FieldValue<D> = <<D as Differentiation>::Field as Embedding>::Value;
+/// A block of a scheme's field.
+pub type FieldBlock<D> = Block<FieldValue<D>>;
+
+/// The field that a tile needs.
+pub enum TileField<D: Differentiation + ?Sized> {
+    /// No voxel of the tile's cells lies in the band, and all are on one side of it: a value of that side.
+    Constant(f64),
+    /// The field on the region that the scheme needs for the tile.
+    Varying(FieldBlock<D>),
+}
+
+/// Indices of a tile where |phi| <= `half_width`, in memory order.
+fn band_indices<T: Copy + Into<f64>>(field: &Block<T>, tile: &IndexBox, half_width: f64) -> Vec<[i64; 3]> {
     let mut indices = Vec::new();
-    for (y, z) in phi.region().rows() {
-        for (x, &value) in (phi.region().lower[0]..).zip(phi.row(y, z)) {
+    for (y, z) in tile.rows() {
+        let start = field.offset([tile.lower[0], y, z]);
+        for (x, &value) in (tile.lower[0]..tile.upper[0]).zip(&field.values()[start..]) {
             if value.into().abs() <= half_width {
                 indices.push([x, y, z]);
             }

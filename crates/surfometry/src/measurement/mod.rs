@@ -2,6 +2,7 @@
 
 mod object;
 mod parameters;
+mod pass;
 mod result;
 mod scheme;
 mod voxel_map;
@@ -100,8 +101,8 @@ impl Measurement {
         Self { embedding, ..self }
     }
 
-    /// How the field is differentiated; by default with Gaussian derivatives for the Gaussian embedding and with
-    /// finite differences for the others.
+    /// How the field is differentiated; by default by matched differences for the Gaussian embedding where sigma is 1.5 to 8 voxels
+    /// along every axis, with Gaussian derivatives where it is not, and by finite differences for the other embeddings.
     #[must_use]
     pub fn derivatives(self, derivatives: Derivatives) -> Self {
         Self { derivatives: Some(derivatives), ..self }

@@ -4,13 +4,14 @@ use super::result::{
     GridSummary, Measured, MeshSummary, NOT_COMPUTED, PlainValues, TopologySummary, UncertainValues,
     VoxelSummary,
 };
+use super::pass::Pass;
 use super::scheme::Scheme;
 use super::{EmbeddingKind, MeasureError, Measurement, Parameters};
 use crate::accuracy::{
     CompensatedIntegrals, Evidence, Flag, FlagCode, band_variance, compensate, raise_flags,
 };
 use crate::integrals::{Band, Integrals, Quadrature, SmearedDelta};
-use crate::local_geometry::{Differentiation, FiniteDifferences, MINIMUM_POINTS};
+use crate::local_geometry::{FiniteDifferences, MINIMUM_POINTS};
 use crate::surface::{Surface, SurfaceSummary};
 use crate::tiling::IndexBox;
 use crate::topology::VoxelTopology;
@@ -104,11 +105,6 @@ impl Object<'_> {
         &self.parameters
     }
 
-    /// The field and its derivatives; `None` where the blur is known to leave nothing.
-    pub fn field(&self) -> Option<&dyn Differentiation> {
-        self.scheme.as_ref().map(Scheme::differentiation)
-    }
-
     /// The smeared delta.
     pub fn delta(&self) -> &SmearedDelta {
         self.band.delta()
@@ -128,15 +124,31 @@ impl Object<'_> {
         self.scheme.as_ref().map(|scheme| scheme.surface(self.grid(), &self.band, shift)).unwrap_or_default()
     }
 
+    /// The integrals alone, without mesh, topology and flags; `None` where the blur is known to leave nothing.
+    pub fn integrals(&self) -> Option<Integrals> {
+        let sums = self.scheme.as_ref()?.sums(&self.pass(false));
+        Some(Integrals::of(&sums.integrals, self.grid().spacing()))
+    }
+
+    fn pass(&self, with_surface: bool) -> Pass<'_> {
+        Pass {
+            band: &self.band,
+            quadrature: &self.quadrature,
+            spacing: self.grid().spacing(),
+            with_surface,
+        }
+    }
+
     /// All numbers.
     pub fn measure(&self) -> Measured {
         let start = Instant::now();
         let scheme = self.scheme.as_ref();
-        let integrals = scheme.map(|s| s.integrate(&self.band, &self.quadrature, self.grid()));
+        let sums = scheme.map(|s| s.sums(&self.pass(true))).unwrap_or_default();
+        let integrals = scheme.map(|_| Integrals::of(&sums.integrals, self.grid().spacing()));
         let surviving = integrals.filter(|i| i.inside_voxels > 0);
         let compensated = self.compensated(surviving);
         let seconds = (self.setup + start.elapsed()).as_secs_f64();
-        let mesh = scheme.map(|s| s.surface_summary(self.grid())).filter(|mesh| mesh.triangles > 0);
+        let mesh = Some(SurfaceSummary::of_sums(&sums.surface)).filter(|mesh| mesh.triangles > 0);
         let topology = VoxelTopology::of(&self.mask);
         let voxels = VoxelSummary::of(&self.mask);
         let evidence = self.evidence(surviving, compensated, mesh, &topology, &voxels);

@@ -5,6 +5,7 @@ use crate::accuracy::{
     auto_sigma, auto_thickness, auto_thickness_of_blur, epsilon_of_blur, thickness_of_blur,
 };
 use crate::integrals::{QuadratureRule, Smearing};
+use crate::local_geometry::MatchedDifferences;
 use crate::volume::{Spacing, VolumeError};
 use serde::Serialize;
 use thiserror::Error;
@@ -28,6 +29,8 @@ pub enum EmbeddingKind {
 pub enum Derivatives {
     /// Convolution with derivatives of the Gaussian.
     Gaussian,
+    /// Differences matched to the blur's spectrum: the same to 5e-4 in area from sigma = 1.5 voxels on, several times faster.
+    Matched,
     /// Fourth-order differences (the paper).
     FiniteDifference,
 }
@@ -148,7 +151,7 @@ impl Parameters {
         }
         Ok(Self {
             embedding: EmbeddingKind::Gaussian,
-            derivatives: m.derivatives.unwrap_or(Derivatives::Gaussian),
+            derivatives: derivatives_of_blur(m, sigma, spacing)?,
             quadrature: m.quadrature,
             delta: m.delta,
             sigma_mm: Some(sigma),
@@ -163,9 +166,9 @@ impl Parameters {
         spacing: Spacing,
         embedding: EmbeddingKind,
     ) -> Result<Self, MeasureError> {
-        if m.derivatives == Some(Derivatives::Gaussian) {
+        if matches!(m.derivatives, Some(Derivatives::Gaussian | Derivatives::Matched)) {
             return Err(MeasureError::Conflict(
-                "Gaussian derivatives belong to the Gaussian embedding; the distance and given embeddings are \
+                "Gaussian and matched derivatives belong to the Gaussian embedding; the distance and given embeddings are \
                  differentiated by finite differences",
             ));
         }
@@ -204,6 +207,19 @@ impl Parameters {
     /// sigma where compensation is defined: the Gaussian embedding at level 0.5.
     pub(super) fn compensable_sigma(&self) -> Option<f64> {
         self.sigma_mm.filter(|_| self.level == Some(0.5))
+    }
+}
+
+/// What was asked for; else matched differences wherever they equal Gaussian derivatives.
+fn derivatives_of_blur(m: &Measurement, sigma: f64, spacing: Spacing) -> Result<Derivatives, MeasureError> {
+    let valid = MatchedDifferences::are_valid(sigma, spacing.mm());
+    match m.derivatives {
+        Some(Derivatives::Matched) if !valid => Err(MeasureError::Conflict(
+            "matched differences need a sigma of 1.5 to 8 voxels along every axis; use Gaussian derivatives, or another sigma",
+        )),
+        Some(chosen) => Ok(chosen),
+        None if valid => Ok(Derivatives::Matched),
+        None => Ok(Derivatives::Gaussian),
     }
 }
 

@@ -1,10 +1,11 @@
 //! The field of an object and its derivatives, as the parameters choose them.
 
+use super::pass::{ObjectSums, Pass};
 use super::{Derivatives, EmbeddingKind, MeasureError, Measurement, Parameters};
 use crate::embedding::{DistanceEmbedding, GaussianEmbedding, GaussianKernel};
-use crate::integrals::{Band, Integrals, Quadrature, integrate};
-use crate::local_geometry::{Differentiation, FiniteDifferences, GaussianDerivatives};
-use crate::surface::{Surface, SurfaceSummary};
+use crate::integrals::Band;
+use crate::local_geometry::{FiniteDifferences, GaussianDerivatives, MatchedDifferences};
+use crate::surface::Surface;
 use crate::volume::{FieldImage, Grid, Mask};
 
 /// Largest sigma in voxels: the kernels' reach, five times that, is what a tile needs around it.
@@ -15,6 +16,7 @@ const MOST_BAND_VOXELS: f64 = 60.0;
 /// All embeddings with all their derivatives.
 pub(super) enum Scheme<'a> {
     Gaussian(GaussianDerivatives<'a>),
+    Matched(MatchedDifferences<'a>),
     GaussianDifferences(FiniteDifferences<GaussianEmbedding<'a>>),
     Distance(FiniteDifferences<DistanceEmbedding<'a>>),
     Given(FiniteDifferences<&'a FieldImage>),
@@ -25,12 +27,15 @@ macro_rules! with_scheme {
     ($scheme:expr, $s:ident => $body:expr) => {
         match $scheme {
             Scheme::Gaussian($s) => $body,
+            Scheme::Matched($s) => $body,
             Scheme::GaussianDifferences($s) => $body,
             Scheme::Distance($s) => $body,
             Scheme::Given($s) => $body,
         }
     };
 }
+
+pub(super) use with_scheme;
 
 impl<'a> Scheme<'a> {
     /// Of a mask; `None` where the blur is known to leave nothing.
@@ -57,27 +62,20 @@ impl<'a> Scheme<'a> {
         let embedding = GaussianEmbedding::new(mask, sigma, measurement.level, measurement.truncation);
         Ok(Some(match parameters.derivatives {
             Derivatives::Gaussian => Self::Gaussian(GaussianDerivatives::new(embedding)),
+            Derivatives::Matched => Self::Matched(MatchedDifferences::new(embedding)),
             Derivatives::FiniteDifference => {
                 Self::GaussianDifferences(FiniteDifferences::new(embedding, spacing.mm()))
             }
         }))
     }
 
-    pub(super) fn integrate(&self, band: &Band, quadrature: &Quadrature, grid: &Grid) -> Integrals {
-        with_scheme!(self, s => integrate(s, band, quadrature, grid.spacing()))
-    }
-
-    pub(super) fn surface_summary(&self, grid: &Grid) -> SurfaceSummary {
-        with_scheme!(self, s => SurfaceSummary::of(s.embedding(), grid))
+    pub(super) fn sums(&self, pass: &Pass) -> ObjectSums {
+        with_scheme!(self, s => pass.sums(s))
     }
 
     /// `shift_sigma` is the blur whose shift is told at each vertex, where that is defined.
     pub(super) fn surface(&self, grid: &Grid, band: &Band, shift_sigma: Option<f64>) -> Surface {
-        with_scheme!(self, s => Surface::of(s.embedding(), s, grid, band, shift_sigma))
-    }
-
-    pub(super) fn differentiation(&self) -> &dyn Differentiation {
-        with_scheme!(self, s => s)
+        with_scheme!(self, s => Surface::of(s, grid, band, shift_sigma))
     }
 }
 

@@ -1,7 +1,8 @@
 //! Local quantities on the image's own grid.
 
 use super::Object;
-use crate::local_geometry::{BandVoxel, TileSample};
+use super::scheme::{Scheme, with_scheme};
+use crate::local_geometry::{BandVoxel, Differentiation, TileField};
 use crate::tiling::{Block, IndexBox, TILE_EDGE};
 use rayon::prelude::*;
 
@@ -65,10 +66,9 @@ impl Object<'_> {
     /// may reach beyond it unless the field is given; `None` where the blur is known to leave nothing, so that there was no need to
     /// make a field. In parallel over tiles; the same for any number of threads.
     pub fn voxel_map(&self, quantity: VoxelQuantity, region: &IndexBox) -> Option<Block<f32>> {
-        let field = self.field()?;
+        let scheme = self.scheme.as_ref()?;
         let mut map = Block::filled(*region, 0.0);
-        let half_width = self.band.delta().half_width();
-        let values = |tile: &IndexBox| self.tile_values(&field.sample(tile, half_width), quantity);
+        let values = |tile: &IndexBox| with_scheme!(scheme, s => self.tile_values(s, tile, quantity));
         // A few tiles at a time, so that no second copy of the image is needed.
         for batch in region.tiles(TILE_EDGE).chunks(8 * rayon::current_num_threads()) {
             let parts: Vec<Vec<f32>> = batch.par_iter().map(values).collect();
@@ -82,22 +82,35 @@ impl Object<'_> {
         Some(map)
     }
 
-    fn tile_values(&self, sample: &TileSample, quantity: VoxelQuantity) -> Vec<f32> {
-        let region = sample.region();
-        match (sample, quantity) {
-            (TileSample::Constant { phi, .. }, VoxelQuantity::Phi) => vec![*phi as f32; region.voxels()],
-            (TileSample::Constant { .. }, _) => vec![0.0; region.voxels()],
-            (TileSample::Varying { phi, .. }, VoxelQuantity::Phi) => {
-                phi.values().iter().map(|&v| v as f32).collect()
-            }
-            (TileSample::Varying { phi, band }, quantity) => {
-                let mut values = vec![0.0; region.voxels()];
-                for voxel in band {
-                    values[phi.offset(voxel.index)] = self.band_value(voxel, quantity) as f32;
+    fn tile_values<D: Differentiation>(
+        &self,
+        scheme: &D,
+        tile: &IndexBox,
+        quantity: VoxelQuantity,
+    ) -> Vec<f32> {
+        let half_width = self.band.delta().half_width();
+        let all = IndexBox::new([0; 3], tile.extent().map(|n| n as i64));
+        let mut values = Block::filled(all, 0.0f32);
+        match (scheme.tile_field(Vec::new(), tile, half_width), quantity) {
+            (TileField::Constant(phi), VoxelQuantity::Phi) => values.values_mut().fill(phi as f32),
+            (TileField::Constant(_), _) => {}
+            (TileField::Varying(field), VoxelQuantity::Phi) => {
+                for (row, (y, z)) in values.values_mut().chunks_mut(tile.extent()[0]).zip(tile.rows()) {
+                    let start = field.offset([tile.lower[0], y, z]);
+                    row.iter_mut().zip(&field.values()[start..]).for_each(|(v, &phi)| *v = phi.into() as f32);
                 }
-                values
+            }
+            (TileField::Varying(field), quantity) => {
+                scheme.visit_band(&field, tile, half_width, &mut |band| {
+                    for voxel in band.iter() {
+                        let place: [i64; 3] = std::array::from_fn(|a| voxel.index[a] - tile.lower[a]);
+                        let place = values.offset(place);
+                        values.values_mut()[place] = self.band_value(&voxel, quantity) as f32;
+                    }
+                });
             }
         }
+        values.into_storage()
     }
 
     /// Of a voxel of the band; 0 where the gradient has collapsed, as in the integrals.

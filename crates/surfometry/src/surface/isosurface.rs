@@ -1,6 +1,6 @@
 //! The whole surface from its tiles.
 
-use super::mesh::{Mesh, minus, tetrahedron_volume, triangle_area};
+use super::mesh::{Mesh, tetrahedron_volume, triangle_area};
 use super::tile_mesh::{EdgeKey, TileMesh};
 use crate::embedding::Embedding;
 use crate::tiling::{Block, ExactSum, IndexBox, TILE_EDGE};
@@ -18,22 +18,27 @@ pub fn extract<E: Embedding>(embedding: &E, grid: &Grid) -> Mesh {
     stitched(parts, grid)
 }
 
-/// The tiles that a surface can be in.
-pub(crate) struct SurfaceTiles<'a, E> {
+/// Where a surface's cells lie: the support of a field and one voxel around it, which is outside and closes the surface; less where
+/// the field ends.
+pub(crate) fn cell_limits<E: Embedding + ?Sized>(embedding: &E, half_width: f64) -> IndexBox {
+    embedding.available(&embedding.support(half_width).grown([1; 3]))
+}
+
+/// The tiles of an embedding on their own.
+struct SurfaceTiles<'a, E> {
     embedding: &'a E,
     limits: IndexBox,
-    pub(crate) boxes: Vec<IndexBox>,
+    boxes: Vec<IndexBox>,
 }
 
 impl<'a, E: Embedding> SurfaceTiles<'a, E> {
-    pub(crate) fn of(embedding: &'a E) -> Self {
-        // One voxel around the support is outside, which closes the surface.
-        let limits = embedding.available(&embedding.support(0.0).grown([1; 3]));
+    fn of(embedding: &'a E) -> Self {
+        let limits = cell_limits(embedding, 0.0);
         Self { embedding, limits, boxes: limits.tiles(TILE_EDGE) }
     }
 
     /// The surface in one tile; empty where the field is known to have one sign.
-    pub(crate) fn mesh(&self, tile: &IndexBox) -> TileMesh {
+    fn mesh(&self, tile: &IndexBox) -> TileMesh {
         let region = IndexBox::new(tile.lower, tile.upper.map(|u| u + 1)).intersection(&self.limits);
         if self.embedding.constant_on(&region, 0.0).is_some() {
             return TileMesh::default();
@@ -91,10 +96,11 @@ impl SurfaceSummary {
     /// Summarises phi = 0 tile by tile, in the memory of one tile a thread.
     pub fn of<E: Embedding>(embedding: &E, grid: &Grid) -> Self {
         let tiles = SurfaceTiles::of(embedding);
-        let spacing = grid.spacing().mm();
-        let start = tiles.boxes.first().map_or([0.0; 3], |tile| tile.lower.map(|l| l as f64));
-        let part = |tile: &IndexBox| Sums::of_tile(&tiles.mesh(tile), spacing, start);
-        let sums = tiles.boxes.par_iter().map(part).reduce(Sums::default, |a, b| a.merged(&b));
+        let part = |tile: &IndexBox| SurfaceSums::of_tile(&tiles.mesh(tile), grid.spacing().mm());
+        Self::of_sums(&tiles.boxes.par_iter().map(part).reduce(SurfaceSums::default, |a, b| a.merged(&b)))
+    }
+
+    pub(crate) fn of_sums(sums: &SurfaceSums) -> Self {
         let open = sums.border_edges > 0;
         Self {
             vertices: sums.vertices,
@@ -112,8 +118,9 @@ impl SurfaceSummary {
     }
 }
 
-#[derive(Debug, Default)]
-struct Sums {
+/// What tiles add up to.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct SurfaceSums {
     vertices: u64,
     triangles: u64,
     border_edges: u64,
@@ -121,9 +128,9 @@ struct Sums {
     volume: ExactSum,
 }
 
-impl Sums {
-    /// Volume as seen from `start`, in voxels.
-    fn of_tile(mesh: &TileMesh, spacing: [f64; 3], start: [f64; 3]) -> Self {
+impl SurfaceSums {
+    /// Volume as seen from image index 0, in the order of the triangles.
+    pub(crate) fn of_tile(mesh: &TileMesh, spacing: [f64; 3]) -> Self {
         let mut sums = Self {
             vertices: (mesh.positions.len() - mesh.borrowed.len()) as u64,
             triangles: mesh.triangles.len() as u64,
@@ -131,8 +138,8 @@ impl Sums {
             ..Self::default()
         };
         let position = |vertex: u32| {
-            let offset = minus(mesh.positions[vertex as usize], start);
-            std::array::from_fn(|a| offset[a] * spacing[a])
+            let index = mesh.positions[vertex as usize];
+            std::array::from_fn(|a| index[a] * spacing[a])
         };
         let (mut area, mut volume) = (0.0, 0.0);
         for triangle in &mesh.triangles {
@@ -145,7 +152,7 @@ impl Sums {
         sums
     }
 
-    fn merged(mut self, other: &Self) -> Self {
+    pub(crate) fn merged(mut self, other: &Self) -> Self {
         self.vertices += other.vertices;
         self.triangles += other.triangles;
         self.border_edges += other.border_edges;

@@ -1,12 +1,11 @@
 //! The surface with what is known at its vertices.
 
-use super::isosurface::{SurfaceTiles, stitched};
+use super::isosurface::{cell_limits, stitched};
 use super::tile_mesh::TileMesh;
 use super::{CurvatureSummary, Distribution, LocalQuantity, Mesh, VertexArray, VertexGeometry};
-use crate::embedding::Embedding;
 use crate::integrals::Band;
-use crate::local_geometry::{Differentiation, Jet};
-use crate::tiling::IndexBox;
+use crate::local_geometry::{Differentiation, FieldValue, Jet, TileField};
+use crate::tiling::{IndexBox, Pool, TILE_EDGE};
 use crate::volume::Grid;
 use rayon::prelude::*;
 
@@ -20,30 +19,37 @@ pub struct Surface {
 }
 
 impl Surface {
-    /// Extracts the surface of an embedding and differentiates it at the vertices, tile by tile, in parallel.
+    /// Extracts the surface of a scheme's embedding and differentiates it at the vertices, tile by tile, in parallel.
     ///
     /// `band` says where the gradient has collapsed; `shift_sigma` is the blur that moved the surface by -sigma^2 H (to first
     /// order), where that is defined.
-    pub(crate) fn of<E: Embedding, D: Differentiation>(
-        embedding: &E,
-        derivatives: &D,
+    pub(crate) fn of<D: Differentiation>(
+        scheme: &D,
         grid: &Grid,
         band: &Band,
         shift_sigma: Option<f64>,
     ) -> Self {
-        let tiles = SurfaceTiles::of(embedding);
+        let limits = cell_limits(scheme.embedding(), 0.0);
+        let storage = Pool::<Vec<FieldValue<D>>>::default();
         let geometry_at = |jet: &Jet| {
             let curvature = band.curvature(jet)?;
             let displacement = shift_sigma.map(|sigma| -sigma * sigma * curvature.mean);
             Some(VertexGeometry::of(jet, curvature, displacement, grid))
         };
         let part = |tile: &IndexBox| {
-            let mesh = tiles.mesh(tile);
-            let positions: Vec<[f64; 3]> = mesh.own_vertices().map(|(_, position)| position).collect();
-            let jets = derivatives.jets_at(&positions);
-            (mesh, jets.iter().map(geometry_at).collect::<Vec<_>>())
+            storage.with(|memory| match scheme.tile_field(std::mem::take(memory), tile, 0.0) {
+                TileField::Constant(_) => Default::default(),
+                TileField::Varying(field) => {
+                    let mesh = TileMesh::of(&field, tile, &limits);
+                    let positions: Vec<[f64; 3]> = mesh.own_vertices().map(|(_, position)| position).collect();
+                    let jets = scheme.jets_at(&field, &positions);
+                    *memory = field.into_storage();
+                    (mesh, jets.iter().map(geometry_at).collect::<Vec<_>>())
+                }
+            })
         };
-        let (meshes, geometry): (Vec<TileMesh>, Vec<_>) = tiles.boxes.par_iter().map(part).unzip();
+        let (meshes, geometry): (Vec<TileMesh>, Vec<_>) =
+            limits.tiles(TILE_EDGE).par_iter().map(part).unzip();
         let mesh = stitched(meshes, grid);
         let vertices = completed(&mesh, geometry.concat(), shift_sigma.map(|_| 0.0));
         Self { mesh, vertices }

@@ -30,8 +30,8 @@ const NEAREST: f64 = 1e-3;
 const OUTSIDE: f64 = 1e-150;
 
 impl TileMesh {
-    /// Marching cubes over a tile, from the field on the tile and one voxel beyond its upper ends (less where the field
-    /// itself, known on `limits`, ends).
+    /// Marching cubes over a tile, from the field on a box that holds the tile and one voxel beyond its upper ends (less
+    /// where the field itself, known on `limits`, ends).
     ///
     /// Vertices lie where the field, linear along the edges, is 0 (a voxel with exactly 0 is outside); the topology is
     /// that of its trilinear interpolant: loops on ambiguous faces by the asymptotic decider, tubes inside cells by
@@ -41,7 +41,7 @@ impl TileMesh {
     /// Lorensen and Cline 1987; Nielson and Hamann 1991; Chernyaev 1995, whose 33 cases these rules give without a table.
     pub(crate) fn of<T: Copy + Into<f64>>(field: &Block<T>, tile: &IndexBox, limits: &IndexBox) -> Self {
         let mut builder = Builder::new(field, tile, limits);
-        let region = field.region();
+        let region = builder.region;
         builder.edges_of_slice(region.lower[2]);
         for z in region.lower[2]..region.upper[2] - 1 {
             builder.edges_to_next_slice(z);
@@ -66,7 +66,9 @@ struct Builder<'a, T> {
     field: &'a Block<T>,
     tile: IndexBox,
     limits: IndexBox,
-    /// Voxels of the field along x and y.
+    /// The tile's voxels and those that its cells reach.
+    region: IndexBox,
+    /// Its voxels along x and y.
     nx: usize,
     ny: usize,
     /// Of all rows, y fastest.
@@ -81,19 +83,22 @@ struct Builder<'a, T> {
 
 impl<'a, T: Copy + Into<f64>> Builder<'a, T> {
     fn new(field: &'a Block<T>, tile: &IndexBox, limits: &IndexBox) -> Self {
-        let [nx, ny, _] = field.region().extent();
+        let region = IndexBox::new(tile.lower, tile.upper.map(|u| u + 1)).intersection(limits);
+        let [nx, ny, _] = region.extent();
         assert!(nx <= RowBits::BITS as usize, "a row of {nx} voxels does not fit");
         let bits = |row: &[T]| {
             row.iter().enumerate().fold(0, |bits, (x, &v)| bits | RowBits::from(v.into() < 0.0) << x)
         };
+        let row = |(y, z)| bits(&field.values()[field.offset([region.lower[0], y, z])..][..nx]);
         let rows = || vec![0; nx * ny];
         Self {
             field,
+            region,
             tile: *tile,
             limits: *limits,
             nx,
             ny,
-            inside: field.region().rows().map(|(y, z)| bits(field.row(y, z))).collect(),
+            inside: region.rows().map(row).collect(),
             along_x: [rows(), rows()],
             along_y: [rows(), rows()],
             along_z: rows(),
@@ -102,7 +107,7 @@ impl<'a, T: Copy + Into<f64>> Builder<'a, T> {
     }
 
     fn bits(&self, y: usize, z: i64) -> RowBits {
-        self.inside[(z - self.field.region().lower[2]) as usize * self.ny + y]
+        self.inside[(z - self.region.lower[2]) as usize * self.ny + y]
     }
 
     /// Vertices on the edges within slice z.
@@ -133,7 +138,7 @@ impl<'a, T: Copy + Into<f64>> Builder<'a, T> {
 
     /// The vertex on an edge that starts from a voxel, given by its place in the field along x and y.
     fn edge_vertex(&mut self, [x, y]: [usize; 2], z: i64, axis: u8) -> u32 {
-        let lower = self.field.region().lower;
+        let lower = self.region.lower;
         let index = [lower[0] + x as i64, lower[1] + y as i64, z];
         let mut following = index;
         following[axis as usize] += 1;
@@ -193,7 +198,7 @@ struct Cell<'b, 'a, T> {
 
 impl<T: Copy + Into<f64>> Cell<'_, '_, T> {
     fn index(&self) -> [i64; 3] {
-        let lower = self.builder.field.region().lower;
+        let lower = self.builder.region.lower;
         [lower[0] + self.at[0] as i64, lower[1] + self.at[1] as i64, self.z]
     }
 

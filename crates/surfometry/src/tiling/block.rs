@@ -15,6 +15,18 @@ impl<T: Copy> Block<T> {
         Self { region, values: vec![value; region.voxels()] }
     }
 
+    /// A block of one value, in memory that was used before.
+    pub fn filled_in(mut storage: Vec<T>, region: IndexBox, value: T) -> Self {
+        storage.clear();
+        storage.resize(region.voxels(), value);
+        Self { region, values: storage }
+    }
+
+    /// Its memory, to be used again.
+    pub fn into_storage(self) -> Vec<T> {
+        self.values
+    }
+
     /// Its box.
     pub fn region(&self) -> IndexBox {
         self.region

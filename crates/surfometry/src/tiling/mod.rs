@@ -6,10 +6,12 @@
 mod block;
 mod exact_sum;
 mod index_box;
+mod pool;
 
 pub use block::Block;
 pub use exact_sum::ExactSum;
 pub use index_box::IndexBox;
+pub use pool::Pool;
 
 /// Edge of a tile in voxels. 64 keeps a tile's fields near 10 MB a thread and the halo's share moderate for
 /// blurs up to a few voxels.

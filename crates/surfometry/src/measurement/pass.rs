@@ -1,0 +1,92 @@
+//! One walk over an object's tiles for everything that is summed over them.
+
+use crate::integrals::{Band, Partial, Quadrature};
+use crate::local_geometry::{Differentiation, FieldValue, TileField};
+use crate::surface::{SurfaceSums, TileMesh, cell_limits};
+use crate::tiling::{IndexBox, Pool, TILE_EDGE};
+use crate::volume::Spacing;
+use rayon::prelude::*;
+use std::time::{Duration, Instant};
+
+/// What the tiles of an object add up to, in any order.
+#[derive(Debug, Clone, Default)]
+pub(super) struct ObjectSums {
+    pub(super) integrals: Partial,
+    pub(super) surface: SurfaceSums,
+    pub(super) times: StageTimes,
+}
+
+/// Time in each stage, summed over threads.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct StageTimes {
+    pub(super) embed: Duration,
+    pub(super) integrate: Duration,
+    pub(super) surface: Duration,
+}
+
+impl ObjectSums {
+    #[must_use]
+    pub(super) fn merged(self, other: &Self) -> Self {
+        Self {
+            integrals: self.integrals.merged(&other.integrals),
+            surface: self.surface.merged(&other.surface),
+            times: self.times.merged(&other.times),
+        }
+    }
+}
+
+impl StageTimes {
+    fn merged(&self, other: &Self) -> Self {
+        Self {
+            embed: self.embed + other.embed,
+            integrate: self.integrate + other.integrate,
+            surface: self.surface + other.surface,
+        }
+    }
+}
+
+/// What a walk needs to know.
+pub(super) struct Pass<'a> {
+    pub(super) band: &'a Band,
+    pub(super) quadrature: &'a Quadrature,
+    pub(super) spacing: Spacing,
+    /// Whether the mesh is wanted beside the integrals.
+    pub(super) with_surface: bool,
+}
+
+impl Pass<'_> {
+    /// Sums over the tiles whose slices begin in a range, in parallel; the same bits for any number of threads.
+    pub(super) fn sums<D: Differentiation>(&self, scheme: &D) -> ObjectSums {
+        let limits = cell_limits(scheme.embedding(), self.band.delta().half_width());
+        let storage = Pool::<Vec<FieldValue<D>>>::default();
+        let part = |tile: &IndexBox| storage.with(|memory| self.tile(scheme, tile, &limits, memory));
+        limits.tiles(TILE_EDGE).par_iter().map(part).reduce(ObjectSums::default, |a, b| a.merged(&b))
+    }
+
+    fn tile<D: Differentiation>(
+        &self,
+        scheme: &D,
+        tile: &IndexBox,
+        limits: &IndexBox,
+        memory: &mut Vec<FieldValue<D>>,
+    ) -> ObjectSums {
+        let start = Instant::now();
+        let field = scheme.tile_field(std::mem::take(memory), tile, self.band.delta().half_width());
+        let embedded = Instant::now();
+        let integrals = Partial::of_tile(scheme, &field, tile, self.band, self.quadrature);
+        let integrated = Instant::now();
+        let mut surface = SurfaceSums::default();
+        if let TileField::Varying(field) = field {
+            if self.with_surface {
+                surface = SurfaceSums::of_tile(&TileMesh::of(&field, tile, limits), self.spacing.mm());
+            }
+            *memory = field.into_storage();
+        }
+        let times = StageTimes {
+            embed: embedded - start,
+            integrate: integrated - embedded,
+            surface: integrated.elapsed(),
+        };
+        ObjectSums { integrals, surface, times }
+    }
+}
