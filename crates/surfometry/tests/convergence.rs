@@ -118,7 +118,7 @@ fn local_noise_falls_with_sigma() {
     let noise = |sigma: f64| {
         let scheme = GaussianDerivatives::new(GaussianEmbedding::new(&mask, sigma, 0.5, TRUNCATION));
         let mut values = Vec::new();
-        for tile in scheme.support(0.05).tiles(64) {
+        for tile in scheme.support(0.05).tiles(TILE) {
             if let TileSample::Varying { band, .. } = scheme.sample(&tile, 0.05) {
                 values.extend(band.iter().map(|v| Curvature::of(&v.jet).unwrap().mean));
             }

@@ -11,7 +11,7 @@ use surfometry::integrals::{
 use surfometry::local_geometry::{Differentiation, GaussianDerivatives};
 use surfometry::measurement::{Derivatives, EmbeddingKind, Measured};
 use surfometry::phantoms::{Genus, Phantom};
-use surfometry::tiling::{IndexBox, TILE_EDGE};
+use surfometry::tiling::{IndexBox, TILE};
 use surfometry::volume::{Grid, Mask};
 
 fn bits(m: &Measured) -> Vec<u64> {
@@ -63,7 +63,7 @@ fn any_split_of_the_tiles_merges_to_the_same_bits() {
     let scheme = GaussianDerivatives::new(GaussianEmbedding::new(&mask, 1.6, 0.5, TRUNCATION));
     let band = Band::new(SmearedDelta::new(Smearing::Sine, 0.25, 0.5), 2.2);
     let quadrature = Quadrature::unbounded(QuadratureRule::Sum);
-    let tiles = scheme.support(band.delta().half_width()).tiles(TILE_EDGE);
+    let tiles = scheme.support(band.delta().half_width()).tiles(TILE);
     let spacing = mask.grid().spacing();
     let whole = Integrals::of(&integrate_boxes(&scheme, &tiles, &band, &quadrature), spacing);
     for parts in [2, 3, 7] {

@@ -40,7 +40,7 @@ fn printed_gaussian(jet: &Jet) -> f64 {
 }
 
 fn band(scheme: &dyn Differentiation, half_width: f64) -> Vec<BandVoxel> {
-    let tiles = scheme.support(half_width).tiles(64);
+    let tiles = scheme.support(half_width).tiles(TILE);
     let band_of = |tile| match scheme.sample(&tile, half_width) {
         TileSample::Varying { band, .. } => band,
         TileSample::Constant { .. } => Vec::new(),

@@ -37,7 +37,7 @@ fn at_a_voxel_the_jet_is_the_grids() {
     let phantom = phantom(Torus { major: 15.0, minor: 6.0 }, poses()[0], [1.0, 0.7, 1.4]);
     let mask = phantom.labels().unwrap().mask(1);
     let scheme = scheme(&mask, 2.0);
-    for tile in scheme.support(0.2).tiles(64) {
+    for tile in scheme.support(0.2).tiles(TILE) {
         let TileSample::Varying { band, .. } = scheme.sample(&tile, 0.2) else { continue };
         for voxel in band.iter().step_by(37) {
             let jet = scheme.jets_at(&[voxel.index.map(|i| i as f64)])[0];

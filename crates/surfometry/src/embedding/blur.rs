@@ -3,7 +3,7 @@
 use super::kernel::GaussianKernel;
 use crate::tiling::{IndexBox, Pool};
 use crate::volume::Mask;
-use fearless_simd::{Level, dispatch};
+use fearless_simd::{Level, dispatch, f32x16, prelude::*};
 
 /// Voxels that are computed together; rows are a multiple of it long.
 pub(crate) const LANES: usize = 16;
@@ -22,34 +22,39 @@ pub(crate) struct Blur {
     work: Pool<Work>,
 }
 
-/// Rows convolved along x of one slice, and slices convolved along x and y.
+/// Slices that are convolved along z together.
+const BATCH: usize = 8;
+
+/// Rows of one slice convolved along x, slices convolved along x and y, and some slices of what comes out.
 #[derive(Debug, Default)]
 struct Work {
     rows: Rows,
-    ring: Vec<Rows>,
+    ring: Rows,
+    out: Rows,
+    /// Where in `rows` and `ring` lies what a row comes from, in the order of the taps.
+    row_starts: Vec<usize>,
+    slice_starts: Vec<usize>,
 }
 
-/// Rows of a slice, those that are all 0 or all 1 marked.
+/// Rows, of one slice or several, those that are all 0 or all 1 marked.
 #[derive(Debug, Default)]
 struct Rows {
     values: Vec<f32>,
     kinds: Vec<Kind>,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Kind {
-    Zero,
-    One,
-    Mixed,
-}
+/// What a row is, as bits: those that several rows share say what all of them are.
+type Kind = u8;
+const MIXED: Kind = 0;
+const ZERO: Kind = 1;
+const ONE: Kind = 2;
 
-impl Kind {
-    fn value(self) -> Option<f32> {
-        match self {
-            Self::Zero => Some(0.0),
-            Self::One => Some(1.0),
-            Self::Mixed => None,
-        }
+/// The value of all of a row's voxels.
+fn constant(kind: Kind) -> Option<f32> {
+    match kind {
+        ZERO => Some(0.0),
+        ONE => Some(1.0),
+        _ => None,
     }
 }
 
@@ -73,71 +78,101 @@ impl Blur {
         region: &IndexBox,
         mut visit: impl FnMut(Result<&[f32], f32>),
     ) {
-        let [nx, ny, nz] = region.extent();
-        assert_eq!(nx % LANES, 0, "rows of {nx} voxels");
-        let radius = self.z.len() - 1;
-        let length = 2 * radius + 1;
-        let mut out = Rows::default();
-        out.resize(nx, ny);
-        self.work.with(|Work { rows, ring }| {
-            ring.resize_with(length.max(ring.len()), Rows::default);
-            // Slice number n of the halo and the box lies in the ring at n modulo its length.
-            for number in 0..nz + 2 * radius {
-                let z = region.lower[2] - radius as i64 + number as i64;
-                self.x_pass(mask, region, z, rows);
-                self.y_pass(rows, nx, ny, &mut ring[number % length]);
-                let Some(first) = number.checked_sub(2 * radius) else { continue };
-                let slices: Vec<&Rows> = (0..length).map(|offset| &ring[(first + offset) % length]).collect();
-                dispatch!(Level::new(), _simd => convolve_slice(&self.z, nx, &slices, &mut out));
-                for (values, kind) in out.values.chunks(nx).zip(&out.kinds) {
-                    visit(kind.value().map_or(Ok(values), Err));
-                }
-            }
+        self.work.with(|work| {
+            dispatch!(Level::new(), simd => self.run(simd, mask, region, work, &mut visit));
         });
     }
 
+    #[inline(always)]
+    fn run<S: Simd>(
+        &self,
+        simd: S,
+        mask: &Mask,
+        region: &IndexBox,
+        work: &mut Work,
+        visit: &mut impl FnMut(Result<&[f32], f32>),
+    ) {
+        let Work { rows, ring, out, row_starts, slice_starts } = work;
+        let [nx, ny, nz] = region.extent();
+        assert_eq!(nx % LANES, 0, "rows of {nx} voxels");
+        let halo = 2 * (self.z.len() - 1);
+        let length = halo + BATCH;
+        rows.resize(nx, ny + 2 * (self.y.len() - 1));
+        ring.resize(nx, ny * length);
+        out.resize(nx, ny * BATCH);
+        row_starts.clear();
+        row_starts.extend((0..2 * self.y.len() - 1).map(|offset| offset * nx));
+        let mut made = 0;
+        for first in (0..nz).step_by(BATCH) {
+            let count = BATCH.min(nz - first);
+            // Slice number n of the halo and the box lies in the ring at n modulo its length.
+            for number in made..first + count + halo {
+                let z = region.lower[2] - (self.z.len() - 1) as i64 + number as i64;
+                self.x_pass(mask, region, z, rows);
+                let slot = number % length;
+                let values = &mut ring.values[slot * ny * nx..][..ny * nx];
+                let kinds = &mut ring.kinds[slot * ny..][..ny];
+                common_kinds(kinds, (0..self.y.len() * 2 - 1).map(|offset| &rows.kinds[offset..]));
+                for (y, row) in values.chunks_exact_mut(nx).enumerate() {
+                    convolve(simd, &self.y, &rows.values[y * nx..], row_starts, kinds[y], row);
+                }
+            }
+            made = first + count + halo;
+            slice_starts.clear();
+            slice_starts.extend((first..made).map(|number| number % length * ny * nx));
+            for slice in 0..count {
+                let starts = &slice_starts[slice..][..=halo];
+                let kinds = &mut out.kinds[slice * ny..][..ny];
+                common_kinds(kinds, starts.iter().map(|start| &ring.kinds[start / nx..]));
+            }
+            // Row by row through the slices, whose rows of one y stay in the nearest cache.
+            for y in 0..ny {
+                for slice in 0..count {
+                    let (row, starts) = (slice * ny + y, &slice_starts[slice..][..=halo]);
+                    let kind = out.kinds[row];
+                    let values = &mut out.values[row * nx..][..nx];
+                    convolve(simd, &self.z, &ring.values[y * nx..], starts, kind, values);
+                }
+            }
+            for (values, &kind) in out.values.chunks_exact(nx).zip(&out.kinds).take(count * ny) {
+                visit(constant(kind).map_or(Ok(values), Err));
+            }
+        }
+    }
+
     /// Slice z convolved along x, from the row that lies the radius below the box's to the one that lies it above.
+    #[inline(always)]
     fn x_pass(&self, mask: &Mask, region: &IndexBox, z: i64, rows: &mut Rows) {
         let radius = (self.y.len() - 1) as i64;
         let nx = region.extent()[0];
         let (x0, x1) = (region.lower[0], region.upper[0]);
         let reach = self.x.radius;
-        rows.resize(nx, region.extent()[1] + 2 * radius as usize);
-        for (number, y) in (region.lower[1] - radius..region.upper[1] + radius).enumerate() {
+        let ys = region.lower[1] - radius..region.upper[1] + radius;
+        for ((y, row), kind) in ys.zip(rows.values.chunks_exact_mut(nx)).zip(&mut rows.kinds) {
             let mut runs = mask.runs_within(y, z, (x0 - reach, x1 + reach)).peekable();
-            rows.kinds[number] = match runs.peek() {
-                None => Kind::Zero,
-                Some(&(a, b)) if a <= x0 - reach && b >= x1 + reach => Kind::One,
-                Some(_) => Kind::Mixed,
+            *kind = match runs.peek() {
+                None => ZERO,
+                Some(&(a, b)) if a <= x0 - reach && b >= x1 + reach => ONE,
+                Some(_) => MIXED,
             };
-            let row = &mut rows.values[number * nx..][..nx];
-            row.fill(rows.kinds[number].value().unwrap_or(0.0));
-            if rows.kinds[number] == Kind::Mixed {
-                runs.for_each(|run| self.x.add_run(row, x0, run));
+            row.fill(constant(*kind).unwrap_or(0.0));
+            if *kind == MIXED {
+                while let Some(run) = runs.next() {
+                    self.x.add_run(row, x0, run);
+                }
             }
         }
-    }
-
-    fn y_pass(&self, rows: &Rows, nx: usize, ny: usize, out: &mut Rows) {
-        out.resize(nx, ny);
-        dispatch!(Level::new(), _simd => convolve_rows(&self.y, nx, rows, out));
     }
 }
 
 impl Rows {
     fn resize(&mut self, nx: usize, ny: usize) {
         self.values.resize(nx * ny, 0.0);
-        self.kinds.resize(ny, Kind::Zero);
+        self.kinds.resize(ny, ZERO);
     }
 }
 
-/// What a row is whose neighbours, as far as the kernel reaches, are these.
-fn common_kind(mut kinds: impl Iterator<Item = Kind>) -> Kind {
-    let first = kinds.next().unwrap_or(Kind::Zero);
-    if first != Kind::Mixed && kinds.all(|kind| kind == first) { first } else { Kind::Mixed }
-}
-
-/// Taps from the centre outward, in f32, that add up to exactly 1 as [`convolve_row`] adds them.
+/// Taps from the centre outward, in f32, that add up to exactly 1 as [`convolve`] adds them.
 fn half_taps(kernel: &GaussianKernel) -> Vec<f32> {
     let mut taps: Vec<f32> = kernel.taps()[kernel.radius()..].iter().map(|&tap| tap as f32).collect();
     let sum = |taps: &[f32]| taps[1..].iter().fold(taps[0], |sum, tap| sum + tap * 2.0);
@@ -148,47 +183,67 @@ fn half_taps(kernel: &GaussianKernel) -> Vec<f32> {
     taps
 }
 
-/// Convolves along y: row number n of `out` is centred at row n + radius of `rows`.
+/// What each row is whose neighbours, as far as the kernel reaches, are these.
 #[inline(always)]
-fn convolve_rows(taps: &[f32], nx: usize, rows: &Rows, out: &mut Rows) {
-    let length = 2 * taps.len() - 1;
-    for (y, (values, kind)) in out.values.chunks_exact_mut(nx).zip(&mut out.kinds).enumerate() {
-        *kind = common_kind(rows.kinds[y..][..length].iter().copied());
-        match kind.value() {
-            Some(value) => values.fill(value),
-            None => convolve(taps, values, |number| &rows.values[(y + number) * nx..][..nx]),
+fn common_kinds<'a>(out: &mut [Kind], neighbours: impl Iterator<Item = &'a [Kind]>) {
+    out.fill(ZERO | ONE);
+    for kinds in neighbours {
+        for (common, kind) in out.iter_mut().zip(kinds) {
+            *common &= kind;
         }
     }
 }
 
-/// Convolves along z, from the slices from the farthest below to the farthest above.
+/// A row as the sum of taps times the rows that begin at `starts`, from the farthest before to the farthest behind; filled where it is known
+/// to be constant.
 #[inline(always)]
-fn convolve_slice(taps: &[f32], nx: usize, slices: &[&Rows], out: &mut Rows) {
-    for (y, (values, kind)) in out.values.chunks_exact_mut(nx).zip(&mut out.kinds).enumerate() {
-        *kind = common_kind(slices.iter().map(|slice| slice.kinds[y]));
-        if *kind == Kind::Mixed {
-            convolve(taps, values, |number| &slices[number].values[y * nx..][..nx]);
-        }
+fn convolve<S: Simd>(simd: S, taps: &[f32], values: &[f32], starts: &[usize], kind: Kind, out: &mut [f32]) {
+    if let Some(value) = constant(kind) {
+        out.fill(value);
+        return;
     }
-}
-
-/// out = the sum of taps times rows, `row(number)` being those from the farthest before to the farthest behind.
-#[inline(always)]
-fn convolve<'a>(taps: &[f32], out: &mut [f32], row: impl Fn(usize) -> &'a [f32]) {
-    let radius = taps.len() - 1;
-    for (number, chunk) in out.chunks_exact_mut(LANES).enumerate() {
-        let lanes = |n: usize| -> &[f32; LANES] {
-            row(n)[number * LANES..][..LANES].try_into().expect("rows are as long as `out`")
+    let mut from = 0;
+    while from < out.len() {
+        // Several groups at once, because each waits for its own sum.
+        let rest = &mut out[from..];
+        from += match rest.len() / LANES {
+            1 => convolve_groups::<1, S>(simd, taps, values, starts, from, rest),
+            2 => convolve_groups::<2, S>(simd, taps, values, starts, from, rest),
+            3 => convolve_groups::<3, S>(simd, taps, values, starts, from, rest),
+            5 => convolve_groups::<5, S>(simd, taps, values, starts, from, rest),
+            _ => convolve_groups::<4, S>(simd, taps, values, starts, from, rest),
         };
-        let mut sums = lanes(radius).map(|centre| taps[0] * centre);
-        for (distance, tap) in taps.iter().enumerate().skip(1) {
-            let (before, behind) = (lanes(radius - distance), lanes(radius + distance));
-            for lane in 0..LANES {
-                sums[lane] += tap * (before[lane] + behind[lane]);
-            }
-        }
-        chunk.copy_from_slice(&sums);
     }
+}
+
+/// `N` groups of lanes from `start` on; how many voxels that are.
+#[inline(always)]
+fn convolve_groups<const N: usize, S: Simd>(
+    simd: S,
+    taps: &[f32],
+    values: &[f32],
+    starts: &[usize],
+    start: usize,
+    out: &mut [f32],
+) -> usize {
+    let radius = taps.len() - 1;
+    let mut sums = [f32x16::splat(simd, 0.0); N];
+    let centre = &values[starts[radius] + start..][..N * LANES];
+    for (sum, lanes) in sums.iter_mut().zip(centre.chunks_exact(LANES)) {
+        *sum = f32x16::from_slice(simd, lanes) * taps[0];
+    }
+    let (before, behind) = starts.split_at(radius);
+    for ((&tap, &before), &behind) in taps[1..].iter().zip(before.iter().rev()).zip(&behind[1..]) {
+        let before = values[before + start..][..N * LANES].chunks_exact(LANES);
+        let behind = values[behind + start..][..N * LANES].chunks_exact(LANES);
+        for ((sum, before), behind) in sums.iter_mut().zip(before).zip(behind) {
+            *sum += (f32x16::from_slice(simd, before) + f32x16::from_slice(simd, behind)) * tap;
+        }
+    }
+    for (sum, lanes) in sums.iter().zip(out.chunks_exact_mut(LANES)) {
+        sum.store_slice(lanes);
+    }
+    N * LANES
 }
 
 /// What a kernel makes of the start of a run of ones without end.
@@ -212,19 +267,25 @@ impl StepResponse {
 
     /// Adds to `row`, whose first voxel is `x0`, the convolution of a run of ones [a, b). Runs come in ascending order: then those that
     /// ended out of reach have left exactly 0, and a value does not depend on where the row starts.
+    #[inline(always)]
     fn add_run(&self, row: &mut [f32], x0: i64, (a, b): (i64, i64)) {
         let length = row.len() as i64;
         let place = |x: i64| (x - x0).clamp(0, length) as usize;
         self.add_edge(row, x0, a, 1.0);
-        row[place(a + self.radius)..place(b + self.radius)].iter_mut().for_each(|value| *value += 1.0);
+        for value in &mut row[place(a + self.radius)..place(b + self.radius)] {
+            *value += 1.0;
+        }
         self.add_edge(row, x0, b, -1.0);
     }
 
+    #[inline(always)]
     fn add_edge(&self, row: &mut [f32], x0: i64, edge: i64, sign: f32) {
         let start = edge - self.radius - x0;
         let skipped = (-start).clamp(0, self.rise.len() as i64) as usize;
         let first = start.clamp(0, row.len() as i64) as usize;
-        row[first..].iter_mut().zip(&self.rise[skipped..]).for_each(|(value, rise)| *value += sign * rise);
+        for (value, rise) in row[first..].iter_mut().zip(&self.rise[skipped..]) {
+            *value += sign * rise;
+        }
     }
 }
 
@@ -304,16 +365,19 @@ mod tests {
         assert!(ones.iter().all(|&v| v == 1.0));
     }
 
-    /// What the machine's widest vectors give and what scalar code gives are the same bits.
+    /// What the machine's widest vectors give and what its narrowest give are the same bits.
     #[test]
     fn vectors_change_no_bit() {
-        let rows: Vec<Vec<f32>> =
-            (0..9).map(|n| (0..48).map(|i| ((i * 37 + n * 11) % 101) as f32 / 101.0).collect()).collect();
         let taps = half_taps(&GaussianKernel::new(1.0, 1.2, 0, 5.0));
-        assert_eq!(2 * taps.len() - 1, rows.len());
-        let (mut wide, mut plain) = (vec![0.0; 48], vec![0.0; 48]);
-        dispatch!(Level::new(), _simd => convolve(&taps, &mut wide, |n| &rows[n]));
-        convolve(&taps, &mut plain, |n| &rows[n]);
+        let (length, nx) = (2 * taps.len() - 1, 9 * LANES);
+        let values: Vec<f32> = (0..length * nx).map(|i| (i * 37 % 101) as f32 / 101.0).collect();
+        let starts: Vec<usize> = (0..length).map(|n| n * nx).collect();
+        let (mut wide, mut plain) = (vec![0.0; nx], vec![0.0; nx]);
+        let on = |level: Level, out: &mut [f32]| {
+            dispatch!(level, simd => convolve(simd, &taps, &values, &starts, MIXED, out));
+        };
+        on(Level::new(), &mut wide);
+        on(Level::baseline(), &mut plain);
         assert_eq!(wide, plain);
     }
 }

@@ -116,7 +116,7 @@ impl Partial {
             }
             TileField::Varying(field) => {
                 let half_width = band.delta().half_width();
-                let beyond = partial.add_inside(field, tile, half_width, &weights);
+                let beyond = dispatch!(Level::new(), _simd => partial.add_inside(field, tile, half_width, &weights));
                 let mut sums = BandSums::default();
                 scheme.visit_band(field, tile, half_width, &mut |voxels| {
                     dispatch!(Level::new(), _simd => sums.add(voxels, band, &weights));
@@ -131,6 +131,7 @@ impl Partial {
     }
 
     /// Counts the voxels inside; the weight of those that the band does not reach, whose Heaviside is 1.
+    #[inline(always)]
     fn add_inside<T: Copy + Into<f64>>(
         &mut self,
         field: &Block<T>,
@@ -190,17 +191,17 @@ impl BandSums {
     #[inline(always)]
     fn add(&mut self, voxels: &BandVoxels, band: &Band, weights: &Weights) {
         self.voxels += voxels.len() as u64;
+        let mut indices = voxels.indices();
         for start in (0..voxels.len()).step_by(LANES) {
             let count = (voxels.len() - start).min(LANES);
             let column = |n: usize| -> &Lanes {
-                voxels.columns[n][start..][..LANES].try_into().expect("columns are a multiple of the lanes long")
+                voxels.column(n)[start..][..LANES].try_into().expect("columns are a multiple of the lanes long")
             };
             let columns: [&Lanes; 10] = std::array::from_fn(column);
             // 0 in the lanes that no voxel fills.
             let mut weight: Lanes = std::array::from_fn(|lane| f64::from(u8::from(lane < count)));
             if !weights.uniform {
-                let indices = &voxels.indices[start..start + count];
-                weight.iter_mut().zip(indices).for_each(|(w, &index)| *w = weights.at(index));
+                weight.iter_mut().zip(&mut indices).for_each(|(w, index)| *w = weights.at(index));
             }
             self.add_lanes(columns, &weight, band);
         }

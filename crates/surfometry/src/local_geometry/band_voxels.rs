@@ -11,39 +11,53 @@ pub struct BandVoxel {
     pub jet: Jet,
 }
 
+/// Most voxels that are handed on together: their columns stay in the processor's nearest caches.
+const CAPACITY: usize = 256;
+/// Most voxels that are added together.
+const GROUP: usize = u16::BITS as usize;
+
 /// Some voxels of a band. Kept by columns, so that curvature is computed for many at once.
 #[derive(Debug, Clone)]
 pub struct BandVoxels {
-    pub(crate) indices: Vec<[i64; 3]>,
+    count: usize,
+    /// Neighbours along x: the index of the first, and a bit for each that belongs to the band.
+    groups: Vec<([i64; 3], u16)>,
     /// A jet's ten numbers; the unused end of each is of no meaning.
-    pub(crate) columns: [Vec<f64>; 10],
+    columns: Box<[[f64; CAPACITY]; 10]>,
 }
 
 impl BandVoxels {
-    /// Voxels that are handed on together: their columns stay in the processor's nearest caches.
-    pub(crate) const CAPACITY: usize = 256;
-
-    /// None, and room for the capacity.
+    /// None.
     pub(crate) fn new() -> Self {
-        Self {
-            indices: Vec::with_capacity(Self::CAPACITY),
-            columns: std::array::from_fn(|_| vec![0.0; Self::CAPACITY]),
-        }
+        Self { count: 0, groups: Vec::with_capacity(CAPACITY), columns: Box::new([[0.0; CAPACITY]; 10]) }
     }
 
     /// How many.
     pub fn len(&self) -> usize {
-        self.indices.len()
+        self.count
     }
 
     /// Whether there are none.
     pub fn is_empty(&self) -> bool {
-        self.indices.is_empty()
+        self.count == 0
+    }
+
+    /// One of a jet's ten numbers, of all voxels and some that are of no meaning.
+    pub(crate) fn column(&self, number: usize) -> &[f64; CAPACITY] {
+        &self.columns[number]
+    }
+
+    /// Image indices.
+    pub(crate) fn indices(&self) -> impl Iterator<Item = [i64; 3]> + '_ {
+        let of_group = |&([x, y, z], bits): &([i64; 3], u16)| {
+            (0..GROUP as i64).filter(move |n| bits >> n & 1 == 1).map(move |n| [x + n, y, z])
+        };
+        self.groups.iter().flat_map(of_group)
     }
 
     /// One by one.
     pub fn iter(&self) -> impl Iterator<Item = BandVoxel> + '_ {
-        self.indices.iter().enumerate().map(|(n, &index)| {
+        self.indices().enumerate().map(|(n, index)| {
             let number = |column: usize| self.columns[column][n];
             let jet = Jet {
                 value: number(0),
@@ -54,38 +68,55 @@ impl BandVoxels {
         })
     }
 
-    /// Adds one; hands all on and starts again where that fills it.
-    pub(crate) fn push(
+    /// Adds those of 16 neighbours along x whose bits are set; hands all on and starts again where another group might not fit.
+    #[inline(always)]
+    pub(crate) fn push_group(
         &mut self,
-        index: [i64; 3],
-        numbers: impl Fn(usize) -> f64,
+        first: [i64; 3],
+        bits: u16,
+        numbers: &[[f32; GROUP]; 10],
         visit: &mut dyn FnMut(&Self),
     ) {
-        let n = self.indices.len();
-        for (number, column) in self.columns.iter_mut().enumerate() {
-            column[n] = numbers(number);
+        let mut lanes = [0usize; GROUP];
+        let mut rest = bits;
+        let mut count = 0;
+        while rest != 0 {
+            lanes[count] = rest.trailing_zeros() as usize % GROUP;
+            rest &= rest - 1;
+            count += 1;
         }
-        self.indices.push(index);
-        if self.indices.len() == Self::CAPACITY {
-            self.flush(visit);
+        for (column, numbers) in self.columns.iter_mut().zip(numbers) {
+            for (value, &lane) in column[self.count..].iter_mut().zip(&lanes[..count]) {
+                *value = f64::from(numbers[lane]);
+            }
         }
+        self.finish_group(first, bits, count, visit);
     }
 
     /// Adds one by its jet.
     pub(crate) fn push_jet(&mut self, index: [i64; 3], jet: &Jet, visit: &mut dyn FnMut(&Self)) {
-        let number = |n: usize| match n {
-            0 => jet.value,
-            1..4 => jet.gradient[n - 1],
-            _ => jet.hessian[n - 4],
-        };
-        self.push(index, number, visit);
+        let numbers = [jet.value].into_iter().chain(jet.gradient).chain(jet.hessian);
+        for (column, number) in self.columns.iter_mut().zip(numbers) {
+            column[self.count] = number;
+        }
+        self.finish_group(index, 1, 1, visit);
+    }
+
+    #[inline(always)]
+    fn finish_group(&mut self, first: [i64; 3], bits: u16, count: usize, visit: &mut dyn FnMut(&Self)) {
+        self.groups.push((first, bits));
+        self.count += count;
+        if self.count > CAPACITY - GROUP {
+            self.flush(visit);
+        }
     }
 
     /// Hands on what is left.
     pub(crate) fn flush(&mut self, visit: &mut dyn FnMut(&Self)) {
         if !self.is_empty() {
             visit(self);
-            self.indices.clear();
+            self.groups.clear();
+            self.count = 0;
         }
     }
 }

@@ -4,7 +4,7 @@ use super::interpolation::interpolated_jet;
 use super::stencil::Stencil;
 use super::{BandVoxels, Differentiation, Jet, band_indices};
 use crate::embedding::Embedding;
-use crate::tiling::{Block, ExactSum, IndexBox, TILE_EDGE};
+use crate::tiling::{Block, ExactSum, IndexBox, TILE};
 use crate::volume::{FieldImage, Mask};
 
 /// Halo of a tile: two voxels for central stencils, five for a shifted one at the image's edge.
@@ -65,7 +65,7 @@ impl FiniteDifferences<&FieldImage> {
     pub(crate) fn gradient_at_surface(&self, inside: &Mask) -> Option<f64> {
         let image = self.embedding.grid().index_box();
         let (mut sum, mut count) = (ExactSum::default(), 0u64);
-        for tile in inside.bounds().tiles(TILE_EDGE) {
+        for tile in inside.bounds().tiles(TILE) {
             let values = self.embedding.evaluate(&self.embedding.available(&tile.grown(REACH)), 0.0);
             for (y, z) in tile.rows() {
                 for index in (tile.lower[0]..tile.upper[0]).map(|x| [x, y, z]) {

@@ -5,7 +5,7 @@ use super::matched_weights::{CentralWeights, NODES_BETWEEN, PointWeights, SIDE, 
 use super::{BandVoxels, Differentiation, Jet};
 use crate::embedding::{GaussianEmbedding, LANES};
 use crate::tiling::{Block, IndexBox};
-use fearless_simd::{Level, dispatch};
+use fearless_simd::{Level, dispatch, f32x16, prelude::*};
 use std::sync::OnceLock;
 
 /// First and second derivatives at a voxel from four voxels on each side.
@@ -24,8 +24,6 @@ pub struct MatchedDifferences<'a> {
 const VALID: [f64; 2] = [1.5, 8.0];
 /// Voxels around a tile that differences at its voxels and vertices need.
 const REACH: i64 = SIDE as i64 + 1;
-
-type Lanes = [f32; LANES];
 
 impl<'a> MatchedDifferences<'a> {
     /// Differences of an embedding.
@@ -67,7 +65,7 @@ impl<'a> Differentiation for MatchedDifferences<'a> {
         visit: &mut dyn FnMut(&BandVoxels),
     ) {
         let pass = BandPass { field, tile, weights: &self.weights, half_width };
-        dispatch!(Level::new(), _simd => pass.run(visit));
+        dispatch!(Level::new(), simd => pass.run(simd, visit));
     }
 
     fn jets_at(&self, field: &Block<f32>, points: &[[f64; 3]]) -> Vec<Jet> {
@@ -115,6 +113,9 @@ fn groups(tile: &IndexBox) -> usize {
     tile.extent()[0].div_ceil(LANES)
 }
 
+/// Some groups of a row, a bit each.
+type GroupSet = u64;
+
 /// One walk over the slices of a tile.
 struct BandPass<'a> {
     field: &'a Block<f32>,
@@ -137,22 +138,25 @@ const KEPT: usize = 2 * SIDE + 1;
 
 impl BandPass<'_> {
     #[inline(always)]
-    fn run(&self, visit: &mut dyn FnMut(&BandVoxels)) {
+    fn run<S: Simd>(&self, simd: S, visit: &mut dyn FnMut(&BandVoxels)) {
         let [_, ny, nz] = self.tile.extent();
         let groups = groups(self.tile);
-        let bits = self.band_bits(groups);
-        let in_band = |y: usize, z: usize| bits[(z * ny + y) * groups..][..groups].iter().any(|&b| b != 0);
-        let rows: Vec<bool> = (0..ny * nz).map(|row| in_band(row % ny, row / ny)).collect();
+        assert!(groups <= GroupSet::BITS as usize, "a row of {groups} groups does not fit");
+        let bits = self.band_bits(simd, groups);
+        let of_row = |row: &[u16]| {
+            row.iter().enumerate().fold(0, |set, (group, &bits)| set | GroupSet::from(bits != 0) << group)
+        };
+        let rows: Vec<GroupSet> = bits.chunks(groups).map(of_row).collect();
         let mut slopes = Slopes::new(groups * LANES, ny + 2 * SIDE);
         let mut voxels = BandVoxels::new();
         let side = SIDE as i64;
         for n in -side..nz as i64 + side {
-            self.slopes_of_slice(n, &rows, &mut slopes);
+            self.slopes_of_slice(simd, n, &rows, &mut slopes);
             let Ok(z) = usize::try_from(n - side) else { continue };
             for y in 0..ny {
-                if rows[z * ny + y] {
+                if rows[z * ny + y] != 0 {
                     let bits = &bits[(z * ny + y) * groups..][..groups];
-                    self.row(y, z, bits, &slopes, &mut voxels, visit);
+                    self.row(simd, [y, z], bits, &slopes, &mut voxels, visit);
                 }
             }
         }
@@ -167,17 +171,16 @@ impl BandPass<'_> {
 
     /// Of each group of lanes, those with |phi| <= the half width.
     #[inline(always)]
-    fn band_bits(&self, groups: usize) -> Vec<u16> {
+    fn band_bits<S: Simd>(&self, simd: S, groups: usize) -> Vec<u16> {
         let [nx, ny, nz] = self.tile.extent();
+        let half_width = f32x16::splat(simd, below(self.half_width));
         let mut bits = Vec::with_capacity(groups * ny * nz);
         for z in 0..nz {
             for y in 0..ny {
-                let row = &self.field.values()[self.place([0, y as i64, z as i64])..][..groups * LANES];
-                for (group, values) in row.chunks_exact(LANES).enumerate() {
-                    let mut set = 0u16;
-                    for (lane, &value) in values.iter().enumerate() {
-                        set |= u16::from(f64::from(value).abs() <= self.half_width) << lane;
-                    }
+                let start = self.place([0, y as i64, z as i64]);
+                for group in 0..groups {
+                    let phi = lanes(simd, self.field.values(), start + group * LANES);
+                    let set = phi.abs().simd_le(half_width).to_bitmask() as u16;
                     let left = nx - group * LANES;
                     bits.push(if left < LANES { set & ((1 << left) - 1) } else { set });
                 }
@@ -186,63 +189,73 @@ impl BandPass<'_> {
         bits
     }
 
-    /// Slopes of a slice, in the rows that a voxel of the band needs.
+    /// Slopes of a slice, in the groups that a voxel of the band needs: those beside it in the slice, and before and behind.
     #[inline(always)]
-    fn slopes_of_slice(&self, z: i64, band_rows: &[bool], slopes: &mut Slopes) {
+    fn slopes_of_slice<S: Simd>(&self, simd: S, z: i64, band: &[GroupSet], slopes: &mut Slopes) {
         let [_, ny, nz] = self.tile.extent().map(|n| n as i64);
         let side = SIDE as i64;
-        let in_band = |y: i64, z: i64| {
-            (0..ny).contains(&y) && (0..nz).contains(&z) && band_rows[(z * ny + y) as usize]
-        };
+        let within = |n: i64, end: i64| (n - side).max(0)..(n + side + 1).min(end);
         let stride = self.field.region().extent()[0];
         for y in -side..ny + side {
-            if !(-side..=side).any(|step| in_band(y + step, z) || in_band(y, z + step)) {
-                continue;
+            let mut along_slices = 0;
+            if (0..ny).contains(&y) {
+                within(z, nz).for_each(|z| along_slices |= band[(z * ny + y) as usize]);
+            }
+            let mut needed = along_slices;
+            if (0..nz).contains(&z) {
+                within(y, ny).for_each(|y| needed |= band[(z * ny + y) as usize]);
             }
             let start = self.place([0, y, z]);
             let slot = slopes.place((y + side) as usize, z);
-            for group in (0..slopes.row).step_by(LANES) {
-                let along_x = self.first_difference(0, start + group, 1);
-                slopes.along_x[slot + group..][..LANES].copy_from_slice(&along_x);
-                // The rows at the ends lack neighbours, and only slopes along x are asked of them.
-                if (0..ny).contains(&y) {
-                    let along_y = self.first_difference(1, start + group, stride);
-                    slopes.along_y[slot + group..][..LANES].copy_from_slice(&along_y);
+            while needed != 0 {
+                let group = needed.trailing_zeros() as usize;
+                needed &= needed - 1;
+                let x = group * LANES;
+                let along_x = self.first_difference(simd, 0, start + x, 1);
+                along_x.store_slice(&mut slopes.along_x[slot + x..][..LANES]);
+                if along_slices >> group & 1 == 1 {
+                    let along_y = self.first_difference(simd, 1, start + x, stride);
+                    along_y.store_slice(&mut slopes.along_y[slot + x..][..LANES]);
                 }
             }
         }
     }
 
     #[inline(always)]
-    fn first_difference(&self, axis: usize, start: usize, stride: usize) -> Lanes {
-        antisymmetric(self.field.values(), &self.weights[axis].first, |n| (start - n * stride, start + n * stride))
+    fn first_difference<S: Simd>(&self, simd: S, axis: usize, start: usize, stride: usize) -> f32x16<S> {
+        let pair = |n: usize| (start - n * stride, start + n * stride);
+        antisymmetric(simd, self.field.values(), &self.weights[axis].first, pair)
     }
 
-    /// All derivatives along one axis, those of mixed kind left out.
+    /// First and second derivative along one axis.
     #[inline(always)]
-    fn differences(&self, axis: usize, start: usize, stride: usize) -> (Lanes, Lanes) {
+    fn differences<S: Simd>(
+        &self,
+        simd: S,
+        axis: usize,
+        start: usize,
+        stride: usize,
+    ) -> (f32x16<S>, f32x16<S>) {
         let weights = &self.weights[axis];
         let values = self.field.values();
-        let centre = lanes(values, start);
-        let (mut first, mut second) = ([0.0; LANES], [0.0; LANES]);
+        let centre = lanes(simd, values, start);
+        let (mut first, mut second) = (f32x16::splat(simd, 0.0), f32x16::splat(simd, 0.0));
         for n in 0..SIDE {
             let step = (n + 1) * stride;
-            let (before, behind) = (lanes(values, start - step), lanes(values, start + step));
-            for l in 0..LANES {
-                first[l] += weights.first[n] * (behind[l] - before[l]);
-                // Differences before sums: a constant has exactly no derivative.
-                second[l] += weights.second[n] * ((behind[l] - centre[l]) + (before[l] - centre[l]));
-            }
+            let (before, behind) = (lanes(simd, values, start - step), lanes(simd, values, start + step));
+            first += (behind - before) * weights.first[n];
+            // Differences before sums: a constant has exactly no derivative.
+            second += ((behind - centre) + (before - centre)) * weights.second[n];
         }
         (first, second)
     }
 
     /// The voxels of the band in one row.
     #[inline(always)]
-    fn row(
+    fn row<S: Simd>(
         &self,
-        y: usize,
-        z: usize,
+        simd: S,
+        [y, z]: [usize; 2],
         bits: &[u16],
         slopes: &Slopes,
         voxels: &mut BandVoxels,
@@ -252,26 +265,21 @@ impl BandPass<'_> {
         let start = self.place([0, y as i64, z as i64]);
         for (group, &set) in bits.iter().enumerate().filter(|(_, set)| **set != 0) {
             let x = group * LANES;
-            let (gx, xx) = self.differences(0, start + x, 1);
-            let (gy, yy) = self.differences(1, start + x, nx);
-            let (gz, zz) = self.differences(2, start + x, nx * ny);
+            let (gx, xx) = self.differences(simd, 0, start + x, 1);
+            let (gy, yy) = self.differences(simd, 1, start + x, nx);
+            let (gz, zz) = self.differences(simd, 2, start + x, nx * ny);
             let slot = |row: usize, slice: i64| slopes.place(row, slice) + x;
             let (row, slice) = (y + SIDE, z as i64);
             let across_rows = |n: usize| (slot(row - n, slice), slot(row + n, slice));
             let across_slices = |n: usize| (slot(row, slice - n as i64), slot(row, slice + n as i64));
-            let xy = antisymmetric(&slopes.along_x, &self.weights[1].first, across_rows);
-            let xz = antisymmetric(&slopes.along_x, &self.weights[2].first, across_slices);
-            let yz = antisymmetric(&slopes.along_y, &self.weights[2].first, across_slices);
-            let phi = *lanes(self.field.values(), start + x);
-            let columns = [phi, gx, gy, gz, xx, yy, zz, xy, xz, yz];
-            let mut rest = set;
-            while rest != 0 {
-                let lane = rest.trailing_zeros() as usize;
-                rest &= rest - 1;
-                let [i, j, k] = self.tile.lower;
-                let index = [i + (x + lane) as i64, j + y as i64, k + z as i64];
-                voxels.push(index, |n| f64::from(columns[n][lane]), visit);
-            }
+            let xy = antisymmetric(simd, &slopes.along_x, &self.weights[1].first, across_rows);
+            let xz = antisymmetric(simd, &slopes.along_x, &self.weights[2].first, across_slices);
+            let yz = antisymmetric(simd, &slopes.along_y, &self.weights[2].first, across_slices);
+            let phi = lanes(simd, self.field.values(), start + x);
+            let columns = [phi, gx, gy, gz, xx, yy, zz, xy, xz, yz].map(SimdBase::to_array);
+            let [i, j, k] = self.tile.lower;
+            let first = [i + x as i64, j + y as i64, k + z as i64];
+            voxels.push_group(first, set, &columns, visit);
         }
     }
 }
@@ -289,20 +297,28 @@ impl Slopes {
 }
 
 #[inline(always)]
-fn lanes(values: &[f32], start: usize) -> &Lanes {
-    values[start..][..LANES].try_into().expect("as many as asked for")
+fn lanes<S: Simd>(simd: S, values: &[f32], start: usize) -> f32x16<S> {
+    f32x16::from_slice(simd, &values[start..][..LANES])
 }
 
 /// The sum of weights times differences of two groups of lanes, the nearest first.
 #[inline(always)]
-fn antisymmetric(values: &[f32], weights: &[f32; SIDE], pair: impl Fn(usize) -> (usize, usize)) -> Lanes {
-    let mut sums = [0.0; LANES];
+fn antisymmetric<S: Simd>(
+    simd: S,
+    values: &[f32],
+    weights: &[f32; SIDE],
+    pair: impl Fn(usize) -> (usize, usize),
+) -> f32x16<S> {
+    let mut sums = f32x16::splat(simd, 0.0);
     for n in 0..SIDE {
         let (before, behind) = pair(n + 1);
-        let (before, behind) = (lanes(values, before), lanes(values, behind));
-        for l in 0..LANES {
-            sums[l] += weights[n] * (behind[l] - before[l]);
-        }
+        sums += (lanes(simd, values, behind) - lanes(simd, values, before)) * weights[n];
     }
     sums
+}
+
+/// The largest f32 that is not above a value: a comparison with it is one with the value.
+fn below(value: f64) -> f32 {
+    let nearest = value as f32;
+    if f64::from(nearest) > value { nearest.next_down() } else { nearest }
 }

@@ -3,7 +3,7 @@
 use crate::integrals::{Band, Partial, Quadrature};
 use crate::local_geometry::{Differentiation, FieldValue, TileField};
 use crate::surface::{SurfaceSums, TileMesh, cell_limits};
-use crate::tiling::{IndexBox, Pool, TILE_EDGE};
+use crate::tiling::{IndexBox, Pool, TILE};
 use crate::volume::Spacing;
 use rayon::prelude::*;
 use std::time::{Duration, Instant};
@@ -60,7 +60,7 @@ impl Pass<'_> {
         let limits = cell_limits(scheme.embedding(), self.band.delta().half_width());
         let storage = Pool::<Vec<FieldValue<D>>>::default();
         let part = |tile: &IndexBox| storage.with(|memory| self.tile(scheme, tile, &limits, memory));
-        limits.tiles(TILE_EDGE).par_iter().map(part).reduce(ObjectSums::default, |a, b| a.merged(&b))
+        limits.tiles(TILE).par_iter().map(part).reduce(ObjectSums::default, |a, b| a.merged(&b))
     }
 
     fn tile<D: Differentiation>(

@@ -3,7 +3,7 @@
 use super::Object;
 use super::scheme::{Scheme, with_scheme};
 use crate::local_geometry::{BandVoxel, Differentiation, TileField};
-use crate::tiling::{Block, IndexBox, TILE_EDGE};
+use crate::tiling::{Block, IndexBox, TILE};
 use rayon::prelude::*;
 
 /// What a voxel map shows.
@@ -70,7 +70,7 @@ impl Object<'_> {
         let mut map = Block::filled(*region, 0.0);
         let values = |tile: &IndexBox| with_scheme!(scheme, s => self.tile_values(s, tile, quantity));
         // A few tiles at a time, so that no second copy of the image is needed.
-        for batch in region.tiles(TILE_EDGE).chunks(8 * rayon::current_num_threads()) {
+        for batch in region.tiles(TILE).chunks(8 * rayon::current_num_threads()) {
             let parts: Vec<Vec<f32>> = batch.par_iter().map(values).collect();
             for (tile, part) in batch.iter().zip(parts) {
                 for ((y, z), row) in tile.rows().zip(part.chunks(tile.extent()[0])) {

@@ -3,7 +3,7 @@
 use super::mesh::{Mesh, tetrahedron_volume, triangle_area};
 use super::tile_mesh::{EdgeKey, TileMesh};
 use crate::embedding::Embedding;
-use crate::tiling::{Block, ExactSum, IndexBox, TILE_EDGE};
+use crate::tiling::{Block, ExactSum, IndexBox, TILE};
 use crate::volume::Grid;
 use rayon::prelude::*;
 use std::collections::HashMap;
@@ -34,7 +34,7 @@ struct SurfaceTiles<'a, E> {
 impl<'a, E: Embedding> SurfaceTiles<'a, E> {
     fn of(embedding: &'a E) -> Self {
         let limits = cell_limits(embedding, 0.0);
-        Self { embedding, limits, boxes: limits.tiles(TILE_EDGE) }
+        Self { embedding, limits, boxes: limits.tiles(TILE) }
     }
 
     /// The surface in one tile; empty where the field is known to have one sign.

@@ -5,7 +5,7 @@ use super::tile_mesh::TileMesh;
 use super::{CurvatureSummary, Distribution, LocalQuantity, Mesh, VertexArray, VertexGeometry};
 use crate::integrals::Band;
 use crate::local_geometry::{Differentiation, FieldValue, Jet, TileField};
-use crate::tiling::{IndexBox, Pool, TILE_EDGE};
+use crate::tiling::{IndexBox, Pool, TILE};
 use crate::volume::Grid;
 use rayon::prelude::*;
 
@@ -49,7 +49,7 @@ impl Surface {
             })
         };
         let (meshes, geometry): (Vec<TileMesh>, Vec<_>) =
-            limits.tiles(TILE_EDGE).par_iter().map(part).unzip();
+            limits.tiles(TILE).par_iter().map(part).unzip();
         let mesh = stitched(meshes, grid);
         let vertices = completed(&mesh, geometry.concat(), shift_sigma.map(|_| 0.0));
         Self { mesh, vertices }

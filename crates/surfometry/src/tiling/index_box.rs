@@ -89,9 +89,10 @@ impl IndexBox {
         (lower[2]..upper[2]).flat_map(move |z| (lower[1]..upper[1]).map(move |y| (y, z)))
     }
 
-    /// The box cut at multiples of `edge` (image index 0 is such a multiple), in order of z, y, x.
-    pub fn tiles(&self, edge: i64) -> Vec<Self> {
+    /// The box cut at multiples of the tiles' edges (image index 0 is such a multiple), in order of z, y, x.
+    pub fn tiles(&self, edges: [i64; 3]) -> Vec<Self> {
         let cuts = |a: usize| {
+            let edge = edges[a];
             let first = self.lower[a].div_euclid(edge);
             let last = (self.upper[a] - 1).div_euclid(edge);
             (first..=last).map(move |n| (n * edge, (n + 1) * edge)).collect::<Vec<_>>()
@@ -119,13 +120,13 @@ mod tests {
     #[test]
     fn tiles_cover_once_and_start_at_multiples() {
         let whole = IndexBox::new([-70, 3, 64], [10, 130, 65]);
-        let tiles = whole.tiles(64);
+        let tiles = whole.tiles([64, 64, 32]);
         assert_eq!(tiles.iter().map(IndexBox::voxels).sum::<usize>(), whole.voxels());
         for (i, a) in tiles.iter().enumerate() {
             assert!(tiles[i + 1..].iter().all(|b| a.intersection(b).is_empty()));
-            assert!((0..3).all(|k| a.lower[k] == whole.lower[k] || a.lower[k] % 64 == 0));
+            assert!((0..3).all(|k| a.lower[k] == whole.lower[k] || a.lower[k] % [64, 64, 32][k] == 0));
         }
-        assert!(IndexBox::EMPTY.tiles(64).is_empty());
+        assert!(IndexBox::EMPTY.tiles([64; 3]).is_empty());
     }
 
     #[test]

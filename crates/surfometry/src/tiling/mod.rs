@@ -13,6 +13,6 @@ pub use exact_sum::ExactSum;
 pub use index_box::IndexBox;
 pub use pool::Pool;
 
-/// Edge of a tile in voxels. 64 keeps a tile's fields near 10 MB a thread and the halo's share moderate for
-/// blurs up to a few voxels.
-pub const TILE_EDGE: i64 = 64;
+/// Voxels of a tile along x, y, z. What a tile must know around it, ten voxels or so on each side, is then a moderate share, and
+/// what is worked on at a time stays in a processor's second cache.
+pub const TILE: [i64; 3] = [64, 64, 128];

@@ -18,6 +18,27 @@ pub struct Mask {
 }
 
 impl Mask {
+    /// Builds a mask from the half-open runs of its rows, ascending, in image indices; what lies outside `bounds` is left out.
+    pub(crate) fn from_runs<R: Iterator<Item = (usize, usize)>>(
+        grid: Grid,
+        bounds: IndexBox,
+        runs: impl Fn(usize, usize) -> R,
+    ) -> Self {
+        let [nx, ny, nz] = bounds.extent();
+        let words_a_row = nx.div_ceil(WORD);
+        let mut bits = vec![0u64; words_a_row * ny * nz];
+        let (x0, x1) = (bounds.lower[0] as usize, bounds.upper[0] as usize);
+        for ((y, z), words) in bounds.rows().zip(bits.chunks_mut(words_a_row.max(1))) {
+            for (start, end) in runs(y as usize, z as usize) {
+                let (start, end) = (start.max(x0), end.min(x1));
+                if start < end {
+                    set_bits(words, start - x0, end - x0);
+                }
+            }
+        }
+        Self { grid, bounds, words_a_row, bits }
+    }
+
     /// Builds a mask row by row: `fill(y, z, row)` sets the voxels of `bounds` in the row at y, z.
     pub(crate) fn from_rows(
         grid: Grid,
@@ -139,6 +160,20 @@ impl Mask {
     pub fn touches_border(&self) -> bool {
         let image = self.grid.index_box();
         (0..3).any(|a| self.bounds.lower[a] <= image.lower[a] || self.bounds.upper[a] >= image.upper[a])
+    }
+}
+
+/// Sets the bits from `start` up to, not including, `end`, of which there is at least one.
+fn set_bits(words: &mut [u64], start: usize, end: usize) {
+    let (first, last) = (start / WORD, (end - 1) / WORD);
+    let from = u64::MAX << (start % WORD);
+    let to = u64::MAX >> (WORD - 1 - (end - 1) % WORD);
+    if first == last {
+        words[first] |= from & to;
+    } else {
+        words[first] |= from;
+        words[first + 1..last].fill(u64::MAX);
+        words[last] |= to;
     }
 }
 

@@ -4,6 +4,7 @@ mod affine;
 mod error;
 mod field;
 mod grid;
+mod label_runs;
 mod labels;
 mod mask;
 mod samples;

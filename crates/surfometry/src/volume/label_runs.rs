@@ -1,0 +1,121 @@
+//! Consecutive slices of a label image as runs of labels.
+
+use super::{Grid, Mask};
+use crate::tiling::IndexBox;
+use std::collections::VecDeque;
+
+/// Neighbours of one label along x.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Run {
+    pub(crate) start: u32,
+    pub(crate) end: u32,
+    /// Number of the label in the list of those that occur.
+    pub(crate) code: u32,
+}
+
+/// The runs of one slice, background left out.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct SliceRuns {
+    runs: Vec<Run>,
+    /// By row, one past its last run.
+    ends: Vec<u32>,
+}
+
+impl SliceRuns {
+    pub(crate) fn push(&mut self, run: Run) {
+        self.runs.push(run);
+    }
+
+    /// Ends the row to which runs were pushed.
+    pub(crate) fn end_row(&mut self) {
+        self.ends.push(u32::try_from(self.runs.len()).expect("a slice has fewer than 2^32 runs"));
+    }
+
+    /// Gives back the memory that no run uses.
+    pub(crate) fn shrink(&mut self) {
+        self.runs.shrink_to_fit();
+    }
+
+    fn row(&self, y: usize) -> &[Run] {
+        let start = y.checked_sub(1).map_or(0, |before| self.ends[before] as usize);
+        &self.runs[start..self.ends[y] as usize]
+    }
+}
+
+/// Slices of an image, all or those that are in work. Segmentations are long runs of one label, so that memory follows their surfaces.
+#[derive(Debug, Clone)]
+pub(crate) struct LabelRuns {
+    grid: Grid,
+    first_slice: usize,
+    slices: VecDeque<SliceRuns>,
+}
+
+impl LabelRuns {
+    /// None yet.
+    pub(crate) fn new(grid: Grid) -> Self {
+        Self { grid, first_slice: 0, slices: VecDeque::new() }
+    }
+
+    /// Adds the next slice.
+    pub(crate) fn push(&mut self, slice: SliceRuns) {
+        self.slices.push_back(slice);
+    }
+
+    /// Forgets the slices before one.
+    pub(crate) fn forget_before(&mut self, slice: usize) {
+        while self.first_slice < slice && self.slices.pop_front().is_some() {
+            self.first_slice += 1;
+        }
+    }
+
+    /// One past the last slice.
+    pub(crate) fn end(&self) -> usize {
+        self.first_slice + self.slices.len()
+    }
+
+    fn row(&self, y: usize, z: usize) -> &[Run] {
+        self.slices[z - self.first_slice].row(y)
+    }
+
+    /// Code of the label at an index, 0 for background.
+    pub(crate) fn code_at(&self, [x, y, z]: [usize; 3]) -> usize {
+        let row = self.row(y, z);
+        let after = row.partition_point(|run| run.start as usize <= x);
+        row[..after].last().filter(|run| x < run.end as usize).map_or(0, |run| run.code as usize)
+    }
+
+    /// The box around the voxels of each label, by code, in the slices that are there.
+    pub(crate) fn bounds(&self, codes: usize) -> Vec<IndexBox> {
+        let mut bounds = vec![IndexBox::EMPTY; codes];
+        for (z, slice) in (self.first_slice..).zip(&self.slices) {
+            for y in 0..slice.ends.len() {
+                for run in slice.row(y) {
+                    let all = &mut bounds[run.code as usize];
+                    *all = all.hull(&run.voxels(y, z));
+                }
+            }
+        }
+        bounds
+    }
+
+    /// The voxels of some labels in a box of the slices that are there, as one object; `codes` ascend.
+    pub(crate) fn mask(&self, codes: &[usize], bounds: IndexBox) -> Mask {
+        let is_member = |code: u32| match codes {
+            [only] => code as usize == *only,
+            _ => codes.binary_search(&(code as usize)).is_ok(),
+        };
+        Mask::from_runs(self.grid, bounds, |y, z| {
+            self.row(y, z).iter().filter(|run| is_member(run.code)).map(|run| (run.start as usize, run.end as usize))
+        })
+    }
+}
+
+impl Run {
+    /// Its voxels in row y of slice z.
+    pub(crate) fn voxels(&self, y: usize, z: usize) -> IndexBox {
+        IndexBox::new(
+            [i64::from(self.start), y as i64, z as i64],
+            [i64::from(self.end), y as i64 + 1, z as i64 + 1],
+        )
+    }
+}
