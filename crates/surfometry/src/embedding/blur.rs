@@ -12,7 +12,8 @@ pub(crate) const LANES: usize = 16;
 ///
 /// A row whose neighbourhood is all outside or all inside is 0 or 1 without being convolved. It would come out as exactly
 /// that, because the taps add up to 1 in the order in which they are added: so a voxel's value does not depend on the box that was
-/// asked for, and 0 and 1 are exact far from the surface. No fused multiplications: all machines give the same bits.
+/// asked for, and 0 and 1 are exact far from the surface. Multiplications are fused with additions, or come out as if they were:
+/// all machines give the same bits.
 #[derive(Debug)]
 pub(crate) struct Blur {
     x: StepResponse,
@@ -28,6 +29,8 @@ const BATCH: usize = 8;
 /// Rows of one slice convolved along x, slices convolved along x and y, and some slices of what comes out.
 #[derive(Debug, Default)]
 struct Work {
+    line: Vec<f32>,
+    kinds: Vec<Kind>,
     rows: Rows,
     ring: Rows,
     out: Rows,
@@ -92,57 +95,72 @@ impl Blur {
         work: &mut Work,
         visit: &mut impl FnMut(Result<&[f32], f32>),
     ) {
-        let Work { rows, ring, out, row_starts, slice_starts } = work;
+        let Work { line, kinds, rows, ring, out, row_starts, slice_starts } = work;
         let [nx, ny, nz] = region.extent();
         assert_eq!(nx % LANES, 0, "rows of {nx} voxels");
         let halo = 2 * (self.z.len() - 1);
         let length = halo + BATCH;
-        rows.resize(nx, ny + 2 * (self.y.len() - 1));
+        // One more than there are outputs for, where they are made in pairs.
+        rows.resize(nx, ny + 2 * (self.y.len() - 1) + 1);
         ring.resize(nx, ny * length);
         out.resize(nx, ny * BATCH);
+        line.resize(nx + 4 * self.x.rise.len(), 0.0);
+        kinds.resize(ny, ZERO);
         row_starts.clear();
-        row_starts.extend((0..2 * self.y.len() - 1).map(|offset| offset * nx));
+        row_starts.extend((0..2 * self.y.len()).map(|offset| offset * nx));
         let mut made = 0;
         for first in (0..nz).step_by(BATCH) {
             let count = BATCH.min(nz - first);
-            // Slice number n of the halo and the box lies in the ring at n modulo its length.
+            // Slice number n of the halo and the box lies in the ring at n modulo its length, beside those of the same row.
             for number in made..first + count + halo {
                 let z = region.lower[2] - (self.z.len() - 1) as i64 + number as i64;
-                self.x_pass(mask, region, z, rows);
-                let slot = number % length;
-                let values = &mut ring.values[slot * ny * nx..][..ny * nx];
-                let kinds = &mut ring.kinds[slot * ny..][..ny];
+                self.x_pass(mask, region, z, line, rows);
                 common_kinds(kinds, (0..self.y.len() * 2 - 1).map(|offset| &rows.kinds[offset..]));
-                for (y, row) in values.chunks_exact_mut(nx).enumerate() {
-                    convolve(simd, &self.y, &rows.values[y * nx..], row_starts, kinds[y], row);
+                let slot = number % length;
+                for y in 0..ny {
+                    ring.kinds[y * length + slot] = kinds[y];
+                }
+                // Rows of neighbouring y lie a ring apart.
+                for y in (0..ny).step_by(2) {
+                    let (first, others) = ring.values[(y * length + slot) * nx..].split_at_mut(nx);
+                    let second = others.get_mut((length - 1) * nx..).and_then(|rest| rest.get_mut(..nx));
+                    let pair_kinds = [kinds[y], kinds.get(y + 1).copied().unwrap_or(ZERO)];
+                    let from = &rows.values[y * nx..];
+                    convolve(simd, &self.y, from, row_starts, pair_kinds, [first, second.unwrap_or(&mut [])]);
                 }
             }
             made = first + count + halo;
             slice_starts.clear();
-            slice_starts.extend((first..made).map(|number| number % length * ny * nx));
-            for slice in 0..count {
-                let starts = &slice_starts[slice..][..=halo];
-                let kinds = &mut out.kinds[slice * ny..][..ny];
-                common_kinds(kinds, starts.iter().map(|start| &ring.kinds[start / nx..]));
-            }
-            // Row by row through the slices, whose rows of one y stay in the nearest cache.
+            slice_starts.extend((first..made).map(|number| number % length * nx));
             for y in 0..ny {
-                for slice in 0..count {
-                    let (row, starts) = (slice * ny + y, &slice_starts[slice..][..=halo]);
-                    let kind = out.kinds[row];
-                    let values = &mut out.values[row * nx..][..nx];
-                    convolve(simd, &self.z, &ring.values[y * nx..], starts, kind, values);
+                let slices = &ring.values[y * length * nx..][..length * nx];
+                let kinds = &ring.kinds[y * length..][..length];
+                let kind_of = |slice: usize| match slice_starts.get(slice..=slice + halo) {
+                    Some(starts) => common_kind(starts.iter().map(|start| kinds[start / nx])),
+                    None => ZERO,
+                };
+                let out_rows = &mut out.values[y * BATCH * nx..][..BATCH * nx];
+                for (pair, rows) in out_rows.chunks_exact_mut(2 * nx).enumerate().take(count.div_ceil(2)) {
+                    let slice = 2 * pair;
+                    let pair_kinds = [kind_of(slice), kind_of(slice + 1)];
+                    out.kinds[y * BATCH + slice..][..2].copy_from_slice(&pair_kinds);
+                    let (first, second) = rows.split_at_mut(nx);
+                    convolve(simd, &self.z, slices, &slice_starts[slice..], pair_kinds, [first, second]);
                 }
             }
-            for (values, &kind) in out.values.chunks_exact(nx).zip(&out.kinds).take(count * ny) {
-                visit(constant(kind).map_or(Ok(values), Err));
+            for slice in 0..count {
+                for y in 0..ny {
+                    let row = y * BATCH + slice;
+                    let values = &out.values[row * nx..][..nx];
+                    visit(constant(out.kinds[row]).map_or(Ok(values), Err));
+                }
             }
         }
     }
 
     /// Slice z convolved along x, from the row that lies the radius below the box's to the one that lies it above.
     #[inline(always)]
-    fn x_pass(&self, mask: &Mask, region: &IndexBox, z: i64, rows: &mut Rows) {
+    fn x_pass(&self, mask: &Mask, region: &IndexBox, z: i64, line: &mut [f32], rows: &mut Rows) {
         let radius = (self.y.len() - 1) as i64;
         let nx = region.extent()[0];
         let (x0, x1) = (region.lower[0], region.upper[0]);
@@ -155,12 +173,15 @@ impl Blur {
                 Some(&(a, b)) if a <= x0 - reach && b >= x1 + reach => ONE,
                 Some(_) => MIXED,
             };
-            row.fill(constant(*kind).unwrap_or(0.0));
-            if *kind == MIXED {
-                while let Some(run) = runs.next() {
-                    self.x.add_run(row, x0, run);
-                }
+            if let Some(value) = constant(*kind) {
+                row.fill(value);
+                continue;
             }
+            line.fill(0.0);
+            while let Some((a, b)) = runs.next() {
+                self.x.add_run(line, (a - x0, b - x0), row.len());
+            }
+            row.copy_from_slice(&line[self.x.rise.len()..][..row.len()]);
         }
     }
 }
@@ -194,56 +215,146 @@ fn common_kinds<'a>(out: &mut [Kind], neighbours: impl Iterator<Item = &'a [Kind
     }
 }
 
-/// A row as the sum of taps times the rows that begin at `starts`, from the farthest before to the farthest behind; filled where it is known
-/// to be constant.
+/// The same of one row.
 #[inline(always)]
-fn convolve<S: Simd>(simd: S, taps: &[f32], values: &[f32], starts: &[usize], kind: Kind, out: &mut [f32]) {
-    if let Some(value) = constant(kind) {
-        out.fill(value);
-        return;
+fn common_kind(mut neighbours: impl Iterator<Item = Kind>) -> Kind {
+    let first = neighbours.next().unwrap_or(ZERO);
+    if first == MIXED { MIXED } else { neighbours.fold(first, |common, kind| common & kind) }
+}
+
+/// Two rows as sums of taps times the rows that begin at `starts`, from the farthest before to the farthest behind; those of the second
+/// begin one later. Rows that are known to be constant are filled.
+#[inline(always)]
+fn convolve<S: Simd>(
+    simd: S,
+    taps: &[f32],
+    values: &[f32],
+    starts: &[usize],
+    kinds: [Kind; 2],
+    [first, second]: [&mut [f32]; 2],
+) {
+    let length = first.len();
+    let both = kinds == [MIXED; 2];
+    if let Some(value) = constant(kinds[0]) {
+        first.fill(value);
+    }
+    if let Some(value) = constant(kinds[1]) {
+        second.fill(value);
     }
     let mut from = 0;
-    while from < out.len() {
-        // Several groups at once, because each waits for its own sum.
-        let rest = &mut out[from..];
-        from += match rest.len() / LANES {
-            1 => convolve_groups::<1, S>(simd, taps, values, starts, from, rest),
-            2 => convolve_groups::<2, S>(simd, taps, values, starts, from, rest),
-            3 => convolve_groups::<3, S>(simd, taps, values, starts, from, rest),
-            5 => convolve_groups::<5, S>(simd, taps, values, starts, from, rest),
-            _ => convolve_groups::<4, S>(simd, taps, values, starts, from, rest),
-        };
+    while from < length {
+        // Several groups at once, because each waits for its own sum. (No closures here: they would not be compiled for the
+        // vectors.)
+        let left = (length - from) / LANES;
+        let groups = if left == 4 { 2 } else { left.min(3) };
+        match (both, groups) {
+            (true, 1) => convolve_pair::<1, S>(simd, taps, values, starts, from, first, second),
+            (true, 2) => convolve_pair::<2, S>(simd, taps, values, starts, from, first, second),
+            (true, _) => convolve_pair::<3, S>(simd, taps, values, starts, from, first, second),
+            (false, _) => {
+                if kinds[0] == MIXED {
+                    convolve_some(simd, taps, values, starts, from, groups, first);
+                }
+                if kinds[1] == MIXED {
+                    convolve_some(simd, taps, values, &starts[1..], from, groups, second);
+                }
+            }
+        }
+        from += groups * LANES;
     }
 }
 
-/// `N` groups of lanes from `start` on; how many voxels that are.
+#[inline(always)]
+fn convolve_some<S: Simd>(
+    simd: S,
+    taps: &[f32],
+    values: &[f32],
+    starts: &[usize],
+    from: usize,
+    groups: usize,
+    out: &mut [f32],
+) {
+    match groups {
+        1 => convolve_groups::<1, S>(simd, taps, values, starts, from, out),
+        2 => convolve_groups::<2, S>(simd, taps, values, starts, from, out),
+        _ => convolve_groups::<3, S>(simd, taps, values, starts, from, out),
+    }
+}
+
+/// `N` groups of lanes from `from` on.
 #[inline(always)]
 fn convolve_groups<const N: usize, S: Simd>(
     simd: S,
     taps: &[f32],
     values: &[f32],
     starts: &[usize],
-    start: usize,
+    from: usize,
     out: &mut [f32],
-) -> usize {
+) {
     let radius = taps.len() - 1;
     let mut sums = [f32x16::splat(simd, 0.0); N];
-    let centre = &values[starts[radius] + start..][..N * LANES];
-    for (sum, lanes) in sums.iter_mut().zip(centre.chunks_exact(LANES)) {
-        *sum = f32x16::from_slice(simd, lanes) * taps[0];
+    for group in 0..N {
+        sums[group] = lanes(simd, piece::<N>(values, starts[radius] + from), group) * taps[0];
     }
-    let (before, behind) = starts.split_at(radius);
-    for ((&tap, &before), &behind) in taps[1..].iter().zip(before.iter().rev()).zip(&behind[1..]) {
-        let before = values[before + start..][..N * LANES].chunks_exact(LANES);
-        let behind = values[behind + start..][..N * LANES].chunks_exact(LANES);
-        for ((sum, before), behind) in sums.iter_mut().zip(before).zip(behind) {
-            *sum += (f32x16::from_slice(simd, before) + f32x16::from_slice(simd, behind)) * tap;
+    for distance in 1..=radius {
+        let (before, behind) = (piece::<N>(values, starts[radius - distance] + from), piece::<N>(values, starts[radius + distance] + from));
+        let tap = f32x16::splat(simd, taps[distance]);
+        for group in 0..N {
+            let both = lanes(simd, before, group) + lanes(simd, behind, group);
+            sums[group] = both.mul_add_precise(tap, sums[group]);
         }
     }
-    for (sum, lanes) in sums.iter().zip(out.chunks_exact_mut(LANES)) {
-        sum.store_slice(lanes);
+    for group in 0..N {
+        sums[group].store_slice(&mut out[from + group * LANES..][..LANES]);
     }
-    N * LANES
+}
+
+/// The same of two neighbouring rows at once: what is loaded for one serves the other a step later.
+#[inline(always)]
+fn convolve_pair<const N: usize, S: Simd>(
+    simd: S,
+    taps: &[f32],
+    values: &[f32],
+    starts: &[usize],
+    from: usize,
+    first: &mut [f32],
+    second: &mut [f32],
+) {
+    let radius = taps.len() - 1;
+    let mut sums = [[f32x16::splat(simd, 0.0); N]; 2];
+    // The rows at distance n before the first and behind it are those at n + 1 before and n - 1 behind the second.
+    let (mut before, mut behind) = ([f32x16::splat(simd, 0.0); N], [f32x16::splat(simd, 0.0); N]);
+    let (centre, next) = (piece::<N>(values, starts[radius] + from), piece::<N>(values, starts[radius + 1] + from));
+    for group in 0..N {
+        before[group] = lanes(simd, centre, group);
+        behind[group] = lanes(simd, next, group);
+        sums[0][group] = before[group] * taps[0];
+        sums[1][group] = behind[group] * taps[0];
+    }
+    for distance in 1..=radius {
+        let (farther_before, farther_behind) = (piece::<N>(values, starts[radius - distance] + from), piece::<N>(values, starts[radius + distance + 1] + from));
+        let tap = f32x16::splat(simd, taps[distance]);
+        for group in 0..N {
+            let (a, b) = (lanes(simd, farther_before, group), lanes(simd, farther_behind, group));
+            sums[0][group] = (a + behind[group]).mul_add_precise(tap, sums[0][group]);
+            sums[1][group] = (before[group] + b).mul_add_precise(tap, sums[1][group]);
+            (before[group], behind[group]) = (a, b);
+        }
+    }
+    for group in 0..N {
+        sums[0][group].store_slice(&mut first[from + group * LANES..][..LANES]);
+        sums[1][group].store_slice(&mut second[from + group * LANES..][..LANES]);
+    }
+}
+
+#[inline(always)]
+fn piece<const N: usize>(values: &[f32], start: usize) -> &[f32] {
+    &values[start..][..N * LANES]
+}
+
+#[inline(always)]
+fn lanes<S: Simd>(simd: S, values: &[f32], group: usize) -> f32x16<S> {
+    f32x16::from_slice(simd, &values[group * LANES..][..LANES])
 }
 
 /// What a kernel makes of the start of a run of ones without end.
@@ -265,26 +376,31 @@ impl StepResponse {
         Self { radius: kernel.radius() as i64, rise: taps.iter().map(running).collect() }
     }
 
-    /// Adds to `row`, whose first voxel is `x0`, the convolution of a run of ones [a, b). Runs come in ascending order: then those that
-    /// ended out of reach have left exactly 0, and a value does not depend on where the row starts.
+    /// Adds to a line the convolution of a run of ones [a, b) that begins or ends less than the radius away from the line's middle part of
+    /// `nx` voxels, in which 0 lies; on both sides there is room for a rise. Runs come in ascending order: then those that ended out of
+    /// reach have left exactly 0, and a value does not depend on where the line starts.
     #[inline(always)]
-    fn add_run(&self, row: &mut [f32], x0: i64, (a, b): (i64, i64)) {
-        let length = row.len() as i64;
-        let place = |x: i64| (x - x0).clamp(0, length) as usize;
-        self.add_edge(row, x0, a, 1.0);
-        for value in &mut row[place(a + self.radius)..place(b + self.radius)] {
-            *value += 1.0;
+    fn add_run(&self, line: &mut [f32], (a, b): (i64, i64), nx: usize) {
+        let margin = self.rise.len() as i64;
+        let (radius, end) = (self.radius, nx as i64);
+        // Where the rise of the run's start is over, and where the fall at its end is.
+        let (top, bottom) = ((a + radius).max(-margin), (b + radius).min(end + margin));
+        if a > -radius {
+            let rise = &mut line[(a - radius + margin) as usize..][..self.rise.len()];
+            for (value, rise) in rise.iter_mut().zip(&self.rise) {
+                *value += rise;
+            }
         }
-        self.add_edge(row, x0, b, -1.0);
-    }
-
-    #[inline(always)]
-    fn add_edge(&self, row: &mut [f32], x0: i64, edge: i64, sign: f32) {
-        let start = edge - self.radius - x0;
-        let skipped = (-start).clamp(0, self.rise.len() as i64) as usize;
-        let first = start.clamp(0, row.len() as i64) as usize;
-        for (value, rise) in row[first..].iter_mut().zip(&self.rise[skipped..]) {
-            *value += sign * rise;
+        if top < bottom {
+            for value in &mut line[(top + margin) as usize..(bottom + margin) as usize] {
+                *value += 1.0;
+            }
+        }
+        if b < end + radius {
+            let fall = &mut line[(b - radius + margin) as usize..][..self.rise.len()];
+            for (value, rise) in fall.iter_mut().zip(&self.rise) {
+                *value -= rise;
+            }
         }
     }
 }
@@ -369,15 +485,22 @@ mod tests {
     #[test]
     fn vectors_change_no_bit() {
         let taps = half_taps(&GaussianKernel::new(1.0, 1.2, 0, 5.0));
-        let (length, nx) = (2 * taps.len() - 1, 9 * LANES);
+        let (length, nx) = (2 * taps.len(), 9 * LANES);
         let values: Vec<f32> = (0..length * nx).map(|i| (i * 37 % 101) as f32 / 101.0).collect();
         let starts: Vec<usize> = (0..length).map(|n| n * nx).collect();
-        let (mut wide, mut plain) = (vec![0.0; nx], vec![0.0; nx]);
+        let (mut wide, mut plain) = (vec![0.0; 2 * nx], vec![0.0; 2 * nx]);
         let on = |level: Level, out: &mut [f32]| {
-            dispatch!(level, simd => convolve(simd, &taps, &values, &starts, MIXED, out));
+            let (first, second) = out.split_at_mut(nx);
+            dispatch!(level, simd => convolve(simd, &taps, &values, &starts, [MIXED; 2], [first, second]));
         };
         on(Level::new(), &mut wide);
         on(Level::baseline(), &mut plain);
         assert_eq!(wide, plain);
+        // Nor does it make a difference whether a row's neighbour is convolved with it.
+        let (mut alone, mut other) = (vec![0.0; nx], vec![0.0; nx]);
+        dispatch!(Level::new(), simd => {
+            convolve(simd, &taps, &values, &starts, [MIXED, ONE], [&mut alone, &mut other]);
+        });
+        assert_eq!(alone, wide[..nx]);
     }
 }

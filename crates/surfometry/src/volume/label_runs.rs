@@ -31,6 +31,13 @@ impl SliceRuns {
         self.ends.push(u32::try_from(self.runs.len()).expect("a slice has fewer than 2^32 runs"));
     }
 
+    /// Puts other codes in place of those that are there.
+    pub(crate) fn recode(&mut self, codes: &[u32]) {
+        if codes.iter().enumerate().any(|(old, new)| old != *new as usize) {
+            self.runs.iter_mut().for_each(|run| run.code = codes[run.code as usize]);
+        }
+    }
+
     /// Gives back the memory that no run uses.
     pub(crate) fn shrink(&mut self) {
         self.runs.shrink_to_fit();

@@ -5,6 +5,7 @@ use super::samples::for_samples;
 use super::{Grid, LabelGroup, Mask, Scalar, Slab, SlabReader, VolumeError};
 use crate::tiling::IndexBox;
 use fearless_simd::{Level, dispatch};
+use rayon::prelude::*;
 use std::collections::HashMap;
 
 /// A label image: each voxel holds a whole number, 0 being background.
@@ -118,57 +119,89 @@ impl RunEncoder {
         if self.voxels == expected { Ok(()) } else { Err(VolumeError::Incomplete { found: self.voxels, expected }) }
     }
 
+    /// Slices are encoded in parallel, each with a list of its own labels, and joined in their order.
     fn push_values<T: Scalar>(&mut self, values: &[T], runs: &mut LabelRuns) -> Result<(), VolumeError> {
         let [nx, ny, _] = self.grid.dimensions();
-        for slice in values.chunks(nx * ny) {
-            let encoded = dispatch!(Level::new(), _simd => self.encode_slice(slice))?;
-            runs.push(encoded);
+        let first = self.voxels;
+        let encode = |(number, slice): (usize, &[T])| {
+            let start = first + number * nx * ny;
+            dispatch!(Level::new(), _simd => EncodedSlice::of(slice, &self.grid, start))
+        };
+        let encoded: Vec<_> = values.par_chunks(nx * ny).enumerate().map(encode).collect();
+        for slice in encoded {
+            let EncodedSlice { runs: mut slice_runs, summaries } = slice?;
+            let codes: Vec<u32> = summaries.iter().map(|summary| self.add(summary)).collect();
+            slice_runs.recode(&codes);
+            runs.push(slice_runs);
         }
+        self.voxels += values.len();
         Ok(())
     }
 
-    /// Run by run: a label is looked up once a run, and not where it is that of the run before.
+    /// Adds what a slice says of a label; the label's code.
+    fn add(&mut self, part: &LabelSummary) -> u32 {
+        let next = self.labels.len();
+        let code = *self.code_of.entry(part.label).or_insert(next);
+        if code == next {
+            self.labels.push(part.label);
+            self.summaries.push(LabelSummary::empty(part.label, code));
+        }
+        let all = &mut self.summaries[code];
+        all.voxels += part.voxels;
+        all.bounds = all.bounds.hull(&part.bounds);
+        u32::try_from(code).expect("fewer than 2^32 labels")
+    }
+}
+
+/// One slice, its labels numbered on their own; the first is background.
+struct EncodedSlice {
+    runs: SliceRuns,
+    summaries: Vec<LabelSummary>,
+}
+
+impl EncodedSlice {
+    /// Of the voxels of a slice, the first of which is number `first` of the image. Run by run: a label is looked up once a run, and not where it
+    /// is that of a run just before.
     #[inline(always)]
-    fn encode_slice<T: Scalar>(&mut self, slice: &[T]) -> Result<SliceRuns, VolumeError> {
-        let nx = self.grid.dimensions()[0];
-        let mut encoded = SliceRuns::default();
-        let mut last = None;
-        for row in slice.chunks(nx) {
-            let [_, y, z] = self.grid.index_of(self.voxels);
+    fn of<T: Scalar>(slice: &[T], grid: &Grid, first: usize) -> Result<Self, VolumeError> {
+        let nx = grid.dimensions()[0];
+        let mut encoded = Self { runs: SliceRuns::default(), summaries: vec![LabelSummary::empty(0, 0)] };
+        let mut code_of = HashMap::from([(0, 0)]);
+        let mut recent: [Option<(T, usize)>; 2] = [None; 2];
+        for (number, row) in slice.chunks(nx).enumerate() {
+            let [_, y, z] = grid.index_of(first + number * nx);
             let mut start = 0;
             while start < row.len() {
                 let value = row[start];
                 let end = start + run_length(&row[start..]);
-                let code = match last {
-                    Some((known, code)) if known == value => code,
-                    _ => self.code(value, self.voxels + start)?,
+                let known = recent.into_iter().flatten().find(|(known, _)| *known == value);
+                let code = match known {
+                    Some((_, code)) => code,
+                    None => {
+                        let offset = first + number * nx + start;
+                        let label = value
+                            .to_label()
+                            .ok_or_else(|| label_error(value.to_f64(), grid.index_of(offset)))?;
+                        let next = encoded.summaries.len();
+                        let code = *code_of.entry(label).or_insert(next);
+                        if code == next {
+                            encoded.summaries.push(LabelSummary::empty(label, code));
+                        }
+                        recent = [Some((value, code)), recent[0]];
+                        code
+                    }
                 };
-                last = Some((value, code));
-                let run = Run { start: start as u32, end: end as u32, code: code as u32 };
                 if code != 0 {
-                    self.summaries[code].add_run(&run, y, z);
-                    encoded.push(run);
+                    let run = Run { start: start as u32, end: end as u32, code: code as u32 };
+                    encoded.summaries[code].add_run(&run, y, z);
+                    encoded.runs.push(run);
                 }
                 start = end;
             }
-            self.voxels += row.len();
-            encoded.end_row();
+            encoded.runs.end_row();
         }
-        encoded.shrink();
+        encoded.runs.shrink();
         Ok(encoded)
-    }
-
-    fn code<T: Scalar>(&mut self, value: T, offset: usize) -> Result<usize, VolumeError> {
-        let label =
-            value.to_label().ok_or_else(|| label_error(value.to_f64(), self.grid.index_of(offset)))?;
-        if let Some(&code) = self.code_of.get(&label) {
-            return Ok(code);
-        }
-        let code = self.labels.len();
-        self.labels.push(label);
-        self.summaries.push(LabelSummary::empty(label, code));
-        self.code_of.insert(label, code);
-        Ok(code)
     }
 }
 

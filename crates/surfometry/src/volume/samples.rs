@@ -106,7 +106,7 @@ const WHOLE_TOLERANCE: f64 = 1e-4;
 const TWO_TO_63: f64 = 9_223_372_036_854_775_808.0;
 
 /// A voxel value that can be a label or a field value.
-pub trait Scalar: Copy + PartialEq {
+pub trait Scalar: Copy + PartialEq + Send + Sync {
     /// The value, rounded to f64 where 64-bit integers need it.
     fn to_f64(self) -> f64;
 
