@@ -5,8 +5,8 @@ use crate::tiling::{IndexBox, Pool};
 use crate::volume::Mask;
 use fearless_simd::{Level, dispatch, f32x16, prelude::*};
 
-/// Voxels that are computed together; rows are a multiple of it long.
-pub(crate) const LANES: usize = 16;
+/// Voxels that are computed together.
+const LANES: usize = 16;
 
 /// G_sigma * I in three passes: along x from the ends of the rows' runs, along y and z by pairs of voxels at equal distance.
 ///
@@ -29,7 +29,8 @@ const BATCH: usize = 8;
 /// Rows of one slice convolved along x, slices convolved along x and y, and some slices of what comes out.
 #[derive(Debug, Default)]
 struct Work {
-    line: Vec<f32>,
+    /// Where the runs of a row start and end.
+    edges: Vec<i64>,
     kinds: Vec<Kind>,
     rows: Rows,
     ring: Rows,
@@ -73,16 +74,10 @@ impl Blur {
         }
     }
 
-    /// Blurs a mask on a box whose rows are `LANES` voxels long or a multiple of that. `visit` gets the rows in their order: their values,
-    /// or the one value that all of the row's voxels have.
-    pub(crate) fn for_each_row(
-        &self,
-        mask: &Mask,
-        region: &IndexBox,
-        mut visit: impl FnMut(Result<&[f32], f32>),
-    ) {
+    /// Sets `phi`, the values on a box, to a level less the blurred mask.
+    pub(crate) fn subtract_from(&self, level: f32, mask: &Mask, region: &IndexBox, phi: &mut [f32]) {
         self.work.with(|work| {
-            dispatch!(Level::new(), simd => self.run(simd, mask, region, work, &mut visit));
+            dispatch!(Level::new(), simd => self.run(simd, (level, mask), region, work, phi));
         });
     }
 
@@ -90,21 +85,20 @@ impl Blur {
     fn run<S: Simd>(
         &self,
         simd: S,
-        mask: &Mask,
+        (level, mask): (f32, &Mask),
         region: &IndexBox,
         work: &mut Work,
-        visit: &mut impl FnMut(Result<&[f32], f32>),
+        phi: &mut [f32],
     ) {
-        let Work { line, kinds, rows, ring, out, row_starts, slice_starts } = work;
-        let [nx, ny, nz] = region.extent();
-        assert_eq!(nx % LANES, 0, "rows of {nx} voxels");
+        let [row_length, ny, nz] = region.extent();
+        let nx = row_length.next_multiple_of(LANES);
+        let Work { edges, kinds, rows, ring, out, row_starts, slice_starts } = work;
         let halo = 2 * (self.z.len() - 1);
         let length = halo + BATCH;
         // One more than there are outputs for, where they are made in pairs.
         rows.resize(nx, ny + 2 * (self.y.len() - 1) + 1);
         ring.resize(nx, ny * length);
         out.resize(nx, ny * BATCH);
-        line.resize(nx + 4 * self.x.rise.len(), 0.0);
         kinds.resize(ny, ZERO);
         row_starts.clear();
         row_starts.extend((0..2 * self.y.len()).map(|offset| offset * nx));
@@ -114,7 +108,7 @@ impl Blur {
             // Slice number n of the halo and the box lies in the ring at n modulo its length, beside those of the same row.
             for number in made..first + count + halo {
                 let z = region.lower[2] - (self.z.len() - 1) as i64 + number as i64;
-                self.x_pass(mask, region, z, line, rows);
+                self.x_pass(simd, mask, region, nx, z, edges, rows);
                 common_kinds(kinds, (0..self.y.len() * 2 - 1).map(|offset| &rows.kinds[offset..]));
                 let slot = number % length;
                 for y in 0..ny {
@@ -148,11 +142,11 @@ impl Blur {
                     convolve(simd, &self.z, slices, &slice_starts[slice..], pair_kinds, [first, second]);
                 }
             }
-            for slice in 0..count {
-                for y in 0..ny {
-                    let row = y * BATCH + slice;
-                    let values = &out.values[row * nx..][..nx];
-                    visit(constant(out.kinds[row]).map_or(Ok(values), Err));
+            let slices = &mut phi[first * ny * row_length..][..count * ny * row_length];
+            for (number, phi) in slices.chunks_exact_mut(row_length).enumerate() {
+                let row = number % ny * BATCH + number / ny;
+                for (phi, blurred) in phi.iter_mut().zip(&out.values[row * nx..]) {
+                    *phi = level - blurred;
                 }
             }
         }
@@ -160,10 +154,18 @@ impl Blur {
 
     /// Slice z convolved along x, from the row that lies the radius below the box's to the one that lies it above.
     #[inline(always)]
-    fn x_pass(&self, mask: &Mask, region: &IndexBox, z: i64, line: &mut [f32], rows: &mut Rows) {
+    fn x_pass<S: Simd>(
+        &self,
+        simd: S,
+        mask: &Mask,
+        region: &IndexBox,
+        nx: usize,
+        z: i64,
+        edges: &mut Vec<i64>,
+        rows: &mut Rows,
+    ) {
         let radius = (self.y.len() - 1) as i64;
-        let nx = region.extent()[0];
-        let (x0, x1) = (region.lower[0], region.upper[0]);
+        let (x0, x1) = (region.lower[0], region.lower[0] + nx as i64);
         let reach = self.x.radius;
         let ys = region.lower[1] - radius..region.upper[1] + radius;
         for ((y, row), kind) in ys.zip(rows.values.chunks_exact_mut(nx)).zip(&mut rows.kinds) {
@@ -177,11 +179,11 @@ impl Blur {
                 row.fill(value);
                 continue;
             }
-            line.fill(0.0);
-            while let Some((a, b)) = runs.next() {
-                self.x.add_run(line, (a - x0, b - x0), row.len());
+            edges.clear();
+            while let Some((start, end)) = runs.next() {
+                edges.extend([start - x0, end - x0]);
             }
-            row.copy_from_slice(&line[self.x.rise.len()..][..row.len()]);
+            self.x.convolve(simd, edges, row);
         }
     }
 }
@@ -361,46 +363,36 @@ fn lanes<S: Simd>(simd: S, values: &[f32], group: usize) -> f32x16<S> {
 #[derive(Debug)]
 struct StepResponse {
     radius: i64,
-    /// At the voxels from the radius before the run's first voxel to one less than that behind it; 0 before, 1 behind.
+    /// Zeros, a group of lanes; then the values at the voxels from the radius before the run's first voxel on; then ones.
     rise: Vec<f32>,
 }
 
 impl StepResponse {
     fn new(kernel: &GaussianKernel) -> Self {
-        let taps = &kernel.taps()[..2 * kernel.radius()];
+        let mut rise = vec![0.0; LANES];
         let mut sum = 0.0;
-        let running = |tap: &f64| {
+        for tap in &kernel.taps()[..2 * kernel.radius()] {
             sum += tap;
-            sum as f32
-        };
-        Self { radius: kernel.radius() as i64, rise: taps.iter().map(running).collect() }
+            rise.push(sum as f32);
+        }
+        rise.resize(rise.len() + LANES, 1.0);
+        Self { radius: kernel.radius() as i64, rise }
     }
 
-    /// Adds to a line the convolution of a run of ones [a, b) that begins or ends less than the radius away from the line's middle part of
-    /// `nx` voxels, in which 0 lies; on both sides there is room for a rise. Runs come in ascending order: then those that ended out of
-    /// reach have left exactly 0, and a value does not depend on where the line starts.
+    /// A row as the convolution of the runs that start and end at `edges`, in turn, counted from the row's first voxel. They ascend:
+    /// then those that ended out of reach leave exactly 0, and a value does not depend on where the row starts.
     #[inline(always)]
-    fn add_run(&self, line: &mut [f32], (a, b): (i64, i64), nx: usize) {
-        let margin = self.rise.len() as i64;
-        let (radius, end) = (self.radius, nx as i64);
-        // Where the rise of the run's start is over, and where the fall at its end is.
-        let (top, bottom) = ((a + radius).max(-margin), (b + radius).min(end + margin));
-        if a > -radius {
-            let rise = &mut line[(a - radius + margin) as usize..][..self.rise.len()];
-            for (value, rise) in rise.iter_mut().zip(&self.rise) {
-                *value += rise;
+    fn convolve<S: Simd>(&self, simd: S, edges: &[i64], row: &mut [f32]) {
+        let last = (self.rise.len() - LANES) as i64;
+        for (group, out) in row.chunks_exact_mut(LANES).enumerate() {
+            let place = (group * LANES) as i64 + self.radius + LANES as i64;
+            let mut sum = f32x16::splat(simd, 0.0);
+            for run in edges.chunks_exact(2) {
+                let rise = |edge: i64| (place - edge).clamp(0, last) as usize;
+                sum += f32x16::from_slice(simd, &self.rise[rise(run[0])..][..LANES]);
+                sum -= f32x16::from_slice(simd, &self.rise[rise(run[1])..][..LANES]);
             }
-        }
-        if top < bottom {
-            for value in &mut line[(top + margin) as usize..(bottom + margin) as usize] {
-                *value += 1.0;
-            }
-        }
-        if b < end + radius {
-            let fall = &mut line[(b - radius + margin) as usize..][..self.rise.len()];
-            for (value, rise) in fall.iter_mut().zip(&self.rise) {
-                *value -= rise;
-            }
+            sum.store_slice(out);
         }
     }
 }
@@ -416,12 +408,9 @@ mod tests {
     }
 
     fn blurred(blur: &Blur, mask: &Mask, region: &IndexBox) -> Vec<f32> {
-        let mut values = Vec::new();
-        blur.for_each_row(mask, region, |row| match row {
-            Ok(row) => values.extend(row),
-            Err(value) => values.extend(vec![value; region.extent()[0]]),
-        });
-        values
+        let mut values = vec![f32::NAN; region.voxels()];
+        blur.subtract_from(0.0, mask, region, &mut values);
+        values.into_iter().map(|value| -value).collect()
     }
 
     /// The definition, in f64.

@@ -50,7 +50,7 @@ impl Embedding for DistanceEmbedding<'_> {
         let padded = region.grown(self.halo(half_width));
         let to_object = distances(self.mask, &padded, self.spacing, true);
         let to_background = distances(self.mask, &padded, self.spacing, false);
-        let mut phi = Block::filled_in(storage, *region, 0.0);
+        let mut phi = Block::reusing(storage, *region, 0.0);
         for (y, z) in region.rows() {
             let start = to_object.offset([region.lower[0], y, z]);
             let pairs = to_object.values()[start..].iter().zip(&to_background.values()[start..]);

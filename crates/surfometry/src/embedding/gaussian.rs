@@ -1,6 +1,6 @@
 //! The paper's embedding: the blurred indicator.
 
-use super::blur::{Blur, LANES};
+use super::blur::Blur;
 use super::point_kernel::{PointDerivatives, PointKernel};
 use super::{Embedding, Separable};
 use crate::tiling::{Block, IndexBox};
@@ -68,18 +68,8 @@ impl Embedding for GaussianEmbedding<'_> {
 
     fn evaluate_in(&self, storage: Vec<f32>, region: &IndexBox, _half_width: f64) -> Block<f32> {
         let level = self.level as f32;
-        let mut phi = Block::filled_in(storage, *region, level);
-        let nx = region.extent()[0];
-        let mut padded = *region;
-        padded.upper[0] = region.lower[0] + (nx.div_ceil(LANES) * LANES) as i64;
-        let mut rows = phi.values_mut().chunks_exact_mut(nx);
-        self.blur.for_each_row(self.mask, &padded, |blurred| {
-            let row = rows.next().expect("a row for each");
-            match blurred {
-                Ok(blurred) => row.iter_mut().zip(blurred).for_each(|(phi, b)| *phi = level - b),
-                Err(value) => row.fill(level - value),
-            }
-        });
+        let mut phi = Block::reusing(storage, *region, level);
+        self.blur.subtract_from(level, self.mask, region, phi.values_mut());
         phi
     }
 

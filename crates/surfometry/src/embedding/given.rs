@@ -18,7 +18,7 @@ impl Embedding for &FieldImage {
 
     fn evaluate_in(&self, storage: Vec<f64>, region: &IndexBox, _half_width: f64) -> Block<f64> {
         let [nx, ny, _] = self.grid().dimensions();
-        let mut phi = Block::filled_in(storage, *region, 0.0);
+        let mut phi = Block::reusing(storage, *region, 0.0);
         for (y, z) in region.rows() {
             let start = (z as usize * ny + y as usize) * nx + region.lower[0] as usize;
             let row = phi.row_mut(y, z);

@@ -8,7 +8,6 @@ mod kernel;
 mod point_kernel;
 mod separable;
 
-pub(crate) use blur::LANES;
 pub use distance::DistanceEmbedding;
 pub use gaussian::GaussianEmbedding;
 pub use kernel::{GaussianKernel, TRUNCATION};

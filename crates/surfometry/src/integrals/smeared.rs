@@ -1,7 +1,7 @@
 //! Smeared Heaviside and delta.
 
 use serde::Serialize;
-use std::f64::consts::PI;
+use std::f64::consts::{FRAC_1_PI, PI};
 
 /// Profile of the smeared delta.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
@@ -78,9 +78,10 @@ impl SmearedDelta {
     /// delta and theta of the sine within the half-width; 1 + cos x and sin x by half the angle.
     #[inline(always)]
     fn sine(&self, phi: f64) -> (f64, f64) {
-        let x = phi / self.epsilon;
+        let inverse = 1.0 / self.epsilon;
+        let x = phi * inverse;
         let (sin, cos) = sin_cos_half_pi(x);
-        (cos * cos / self.epsilon, 0.5 * (1.0 + x) + sin * cos / PI)
+        (cos * cos * inverse, 0.5 * (1.0 + x) + sin * cos * FRAC_1_PI)
     }
 
     /// delta(phi), in units of 1/phi.

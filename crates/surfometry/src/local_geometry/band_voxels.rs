@@ -14,14 +14,14 @@ pub struct BandVoxel {
 /// Most voxels that are handed on together: their columns stay in the processor's nearest caches.
 const CAPACITY: usize = 256;
 /// Most voxels that are added together.
-const GROUP: usize = u16::BITS as usize;
+pub(super) const GROUP: usize = u8::BITS as usize;
 
 /// Some voxels of a band. Kept by columns, so that curvature is computed for many at once.
 #[derive(Debug, Clone)]
 pub struct BandVoxels {
     count: usize,
     /// Neighbours along x: the index of the first, and a bit for each that belongs to the band.
-    groups: Vec<([i64; 3], u16)>,
+    groups: Vec<([i64; 3], u8)>,
     /// A jet's ten numbers; the unused end of each is of no meaning.
     columns: Box<[[f64; CAPACITY]; 10]>,
 }
@@ -49,7 +49,7 @@ impl BandVoxels {
 
     /// Image indices.
     pub(crate) fn indices(&self) -> impl Iterator<Item = [i64; 3]> + '_ {
-        let of_group = |&([x, y, z], bits): &([i64; 3], u16)| {
+        let of_group = |&([x, y, z], bits): &([i64; 3], u8)| {
             (0..GROUP as i64).filter(move |n| bits >> n & 1 == 1).map(move |n| [x + n, y, z])
         };
         self.groups.iter().flat_map(of_group)
@@ -68,22 +68,21 @@ impl BandVoxels {
         })
     }
 
-    /// Adds those of 16 neighbours along x whose bits are set; hands all on and starts again where another group might not fit.
+    /// Adds those of 8 neighbours along x whose bits are set; hands all on and starts again where another group might not fit.
     #[inline(always)]
     pub(crate) fn push_group(
         &mut self,
         first: [i64; 3],
-        bits: u16,
+        bits: u8,
         numbers: &[[f32; GROUP]; 10],
         visit: &mut dyn FnMut(&Self),
     ) {
-        let mut lanes = [0usize; GROUP];
+        let mut lanes = [0; GROUP];
         let mut rest = bits;
-        let mut count = 0;
-        while rest != 0 {
-            lanes[count] = rest.trailing_zeros() as usize % GROUP;
+        let count = bits.count_ones() as usize;
+        for lane in &mut lanes[..count] {
+            *lane = rest.trailing_zeros() as usize % GROUP;
             rest &= rest - 1;
-            count += 1;
         }
         for (column, numbers) in self.columns.iter_mut().zip(numbers) {
             for (value, &lane) in column[self.count..].iter_mut().zip(&lanes[..count]) {
@@ -103,7 +102,7 @@ impl BandVoxels {
     }
 
     #[inline(always)]
-    fn finish_group(&mut self, first: [i64; 3], bits: u16, count: usize, visit: &mut dyn FnMut(&Self)) {
+    fn finish_group(&mut self, first: [i64; 3], bits: u8, count: usize, visit: &mut dyn FnMut(&Self)) {
         self.groups.push((first, bits));
         self.count += count;
         if self.count > CAPACITY - GROUP {

@@ -46,7 +46,9 @@ impl Curvature {
             + 2.0 * x * y * (xz * yz - xy * zz)
             + 2.0 * y * z * (xy * xz - yz * xx)
             + 2.0 * x * z * (xy * yz - xz * yy);
-        Self { mean: h / (2.0 * square * square.sqrt()), gaussian: k / (square * square) }
+        // One division and one root are what these cost.
+        let inverse = 1.0 / square;
+        Self { mean: 0.5 * h * inverse * inverse * square.sqrt(), gaussian: k * inverse * inverse }
     }
 
     /// k1 >= k2, 1/mm. H^2 - K, which rounding can make negative at umbilics, is clamped at 0.

@@ -3,9 +3,10 @@
 use super::jet::ORDERS;
 use super::matched_weights::{CentralWeights, NODES_BETWEEN, PointWeights, SIDE, Weights};
 use super::{BandVoxels, Differentiation, Jet};
-use crate::embedding::{GaussianEmbedding, LANES};
+use super::band_voxels::GROUP as LANES;
+use crate::embedding::GaussianEmbedding;
 use crate::tiling::{Block, IndexBox};
-use fearless_simd::{Level, dispatch, f32x16, prelude::*};
+use fearless_simd::{Level, dispatch, f32x8, prelude::*};
 use std::sync::OnceLock;
 
 /// First and second derivatives at a voxel from four voxels on each side.
@@ -143,10 +144,12 @@ impl BandPass<'_> {
         let groups = groups(self.tile);
         assert!(groups <= GroupSet::BITS as usize, "a row of {groups} groups does not fit");
         let bits = self.band_bits(simd, groups);
-        let of_row = |row: &[u16]| {
-            row.iter().enumerate().fold(0, |set, (group, &bits)| set | GroupSet::from(bits != 0) << group)
-        };
-        let rows: Vec<GroupSet> = bits.chunks(groups).map(of_row).collect();
+        let mut rows: Vec<GroupSet> = vec![0; ny * nz];
+        for (row, bits) in rows.iter_mut().zip(bits.chunks_exact(groups)) {
+            for (group, bits) in bits.iter().enumerate() {
+                *row |= GroupSet::from(*bits != 0) << group;
+            }
+        }
         let mut slopes = Slopes::new(groups * LANES, ny + 2 * SIDE);
         let mut voxels = BandVoxels::new();
         let side = SIDE as i64;
@@ -171,16 +174,16 @@ impl BandPass<'_> {
 
     /// Of each group of lanes, those with |phi| <= the half width.
     #[inline(always)]
-    fn band_bits<S: Simd>(&self, simd: S, groups: usize) -> Vec<u16> {
+    fn band_bits<S: Simd>(&self, simd: S, groups: usize) -> Vec<u8> {
         let [nx, ny, nz] = self.tile.extent();
-        let half_width = f32x16::splat(simd, below(self.half_width));
+        let half_width = f32x8::splat(simd, below(self.half_width));
         let mut bits = Vec::with_capacity(groups * ny * nz);
         for z in 0..nz {
             for y in 0..ny {
                 let start = self.place([0, y as i64, z as i64]);
                 for group in 0..groups {
                     let phi = lanes(simd, self.field.values(), start + group * LANES);
-                    let set = phi.abs().simd_le(half_width).to_bitmask() as u16;
+                    let set = phi.abs().simd_le(half_width).to_bitmask() as u8;
                     let left = nx - group * LANES;
                     bits.push(if left < LANES { set & ((1 << left) - 1) } else { set });
                 }
@@ -222,7 +225,7 @@ impl BandPass<'_> {
     }
 
     #[inline(always)]
-    fn first_difference<S: Simd>(&self, simd: S, axis: usize, start: usize, stride: usize) -> f32x16<S> {
+    fn first_difference<S: Simd>(&self, simd: S, axis: usize, start: usize, stride: usize) -> f32x8<S> {
         let pair = |n: usize| (start - n * stride, start + n * stride);
         antisymmetric(simd, self.field.values(), &self.weights[axis].first, pair)
     }
@@ -235,17 +238,18 @@ impl BandPass<'_> {
         axis: usize,
         start: usize,
         stride: usize,
-    ) -> (f32x16<S>, f32x16<S>) {
+    ) -> (f32x8<S>, f32x8<S>) {
         let weights = &self.weights[axis];
         let values = self.field.values();
         let centre = lanes(simd, values, start);
-        let (mut first, mut second) = (f32x16::splat(simd, 0.0), f32x16::splat(simd, 0.0));
+        let (mut first, mut second) = (f32x8::splat(simd, 0.0), f32x8::splat(simd, 0.0));
         for n in 0..SIDE {
             let step = (n + 1) * stride;
             let (before, behind) = (lanes(simd, values, start - step), lanes(simd, values, start + step));
-            first += (behind - before) * weights.first[n];
+            first = (behind - before).mul_add_precise(weights.first[n], first);
             // Differences before sums: a constant has exactly no derivative.
-            second += ((behind - centre) + (before - centre)) * weights.second[n];
+            let bend = (behind - centre) + (before - centre);
+            second = bend.mul_add_precise(weights.second[n], second);
         }
         (first, second)
     }
@@ -256,7 +260,7 @@ impl BandPass<'_> {
         &self,
         simd: S,
         [y, z]: [usize; 2],
-        bits: &[u16],
+        bits: &[u8],
         slopes: &Slopes,
         voxels: &mut BandVoxels,
         visit: &mut dyn FnMut(&BandVoxels),
@@ -297,8 +301,8 @@ impl Slopes {
 }
 
 #[inline(always)]
-fn lanes<S: Simd>(simd: S, values: &[f32], start: usize) -> f32x16<S> {
-    f32x16::from_slice(simd, &values[start..][..LANES])
+fn lanes<S: Simd>(simd: S, values: &[f32], start: usize) -> f32x8<S> {
+    f32x8::from_slice(simd, &values[start..][..LANES])
 }
 
 /// The sum of weights times differences of two groups of lanes, the nearest first.
@@ -308,11 +312,12 @@ fn antisymmetric<S: Simd>(
     values: &[f32],
     weights: &[f32; SIDE],
     pair: impl Fn(usize) -> (usize, usize),
-) -> f32x16<S> {
-    let mut sums = f32x16::splat(simd, 0.0);
+) -> f32x8<S> {
+    let mut sums = f32x8::splat(simd, 0.0);
     for n in 0..SIDE {
         let (before, behind) = pair(n + 1);
-        sums += (lanes(simd, values, behind) - lanes(simd, values, before)) * weights[n];
+        let difference = lanes(simd, values, behind) - lanes(simd, values, before);
+        sums = difference.mul_add_precise(weights[n], sums);
     }
     sums
 }
