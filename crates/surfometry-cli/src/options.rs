@@ -37,7 +37,7 @@ pub(crate) enum EmbeddingOption {
 pub(crate) enum DerivativesOption {
     /// Convolution with derivatives of the Gaussian
     Gaussian,
-    /// Differences matched to the blur: the same from sigma = 1.5 voxels on, faster
+    /// Differences matched to the blur: the same from sigma = 1.75 voxels on, faster
     Matched,
     /// Fourth-order differences, as in the paper
     FiniteDifference,
@@ -76,7 +76,7 @@ pub(crate) struct MeasureOptions {
     /// How an object becomes a field
     #[arg(long, value_enum, default_value = "gaussian")]
     embedding: EmbeddingOption,
-    /// How the field is differentiated [default: matched where sigma is 1.5 to 8 voxels, else gaussian; finite-difference without a blur]
+    /// How the field is differentiated [default: matched where sigma is 1.75 to 8 voxels, else gaussian; finite-difference without a blur]
     #[arg(long, value_enum)]
     derivatives: Option<DerivativesOption>,
     /// How voxels are summed [default: sum]

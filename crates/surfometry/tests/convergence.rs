@@ -4,12 +4,13 @@ mod common;
 
 use common::{measure, phantom, poses};
 use surfometry::Measurement;
-use surfometry::embedding::{GaussianEmbedding, TRUNCATION};
+use surfometry::embedding::{Embedding, GaussianEmbedding, TRUNCATION};
 use surfometry::local_geometry::{
-    Curvature, Differentiation, FiniteDifferences, GaussianDerivatives, TileSample,
+    Curvature, Differentiation, FiniteDifferences, GaussianDerivatives,
 };
 use surfometry::measurement::{Derivatives, Measured};
 use surfometry::phantoms::{Ball, Torus};
+use surfometry::tiling::TILE;
 use surfometry::volume::{FieldImage, FieldValues, Grid};
 
 fn slope(errors: &[(f64, f64)]) -> f64 {
@@ -51,11 +52,7 @@ fn differences_converge_with_the_fourth_power() {
                 let values = (0..grid.voxel_count()).map(|o| value(point(grid.index_of(o))));
                 let field = FieldImage::new(grid, FieldValues::F64(values.collect())).unwrap();
                 let index = if position == "inside" { [4, 4, 4] } else { [0, 8, 1] };
-                let TileSample::Varying { band, .. } =
-                    FiniteDifferences::new(&field, spacing).sample(&grid.index_box(), f64::INFINITY)
-                else {
-                    panic!("a field varies")
-                };
+                let band = FiniteDifferences::new(&field, spacing).band(&grid.index_box(), f64::INFINITY);
                 let found = band.iter().find(|v| v.index == index.map(|i| i as i64)).unwrap();
                 let (found, exact) = (Curvature::of(&found.jet).unwrap(), exact(point(index)));
                 (h, (found.mean - exact.mean).abs() + (found.gaussian - exact.gaussian).abs())
@@ -118,10 +115,8 @@ fn local_noise_falls_with_sigma() {
     let noise = |sigma: f64| {
         let scheme = GaussianDerivatives::new(GaussianEmbedding::new(&mask, sigma, 0.5, TRUNCATION));
         let mut values = Vec::new();
-        for tile in scheme.support(0.05).tiles(TILE) {
-            if let TileSample::Varying { band, .. } = scheme.sample(&tile, 0.05) {
-                values.extend(band.iter().map(|v| Curvature::of(&v.jet).unwrap().mean));
-            }
+        for tile in scheme.embedding().support(0.05).tiles(TILE) {
+            values.extend(scheme.band(&tile, 0.05).iter().map(|v| Curvature::of(&v.jet).unwrap().mean));
         }
         let mean = values.iter().sum::<f64>() / values.len() as f64;
         (values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / values.len() as f64).sqrt()

@@ -4,7 +4,7 @@ mod common;
 
 use common::{poses, values};
 use surfometry::Measurement;
-use surfometry::embedding::{GaussianEmbedding, TRUNCATION};
+use surfometry::embedding::{Embedding, GaussianEmbedding, TRUNCATION};
 use surfometry::integrals::{
     Band, Integrals, Partial, Quadrature, QuadratureRule, SmearedDelta, Smearing, integrate_boxes,
 };
@@ -63,7 +63,7 @@ fn any_split_of_the_tiles_merges_to_the_same_bits() {
     let scheme = GaussianDerivatives::new(GaussianEmbedding::new(&mask, 1.6, 0.5, TRUNCATION));
     let band = Band::new(SmearedDelta::new(Smearing::Sine, 0.25, 0.5), 2.2);
     let quadrature = Quadrature::unbounded(QuadratureRule::Sum);
-    let tiles = scheme.support(band.delta().half_width()).tiles(TILE);
+    let tiles = scheme.embedding().support(band.delta().half_width()).tiles(TILE);
     let spacing = mask.grid().spacing();
     let whole = Integrals::of(&integrate_boxes(&scheme, &tiles, &band, &quadrature), spacing);
     for parts in [2, 3, 7] {

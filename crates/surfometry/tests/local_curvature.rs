@@ -3,11 +3,12 @@
 mod common;
 
 use common::{phantom, poses};
-use surfometry::embedding::{GaussianEmbedding, TRUNCATION};
+use surfometry::embedding::{Embedding, GaussianEmbedding, TRUNCATION};
 use surfometry::local_geometry::{
-    BandVoxel, Curvature, Differentiation, FiniteDifferences, GaussianDerivatives, Jet, TileSample,
+    BandVoxel, Curvature, Differentiation, FiniteDifferences, GaussianDerivatives, Jet,
 };
 use surfometry::phantoms::{Ellipsoid, Phantom};
+use surfometry::tiling::TILE;
 use surfometry::volume::{FieldImage, FieldValues};
 
 const RADII: [f64; 3] = [40.0, 28.0, 22.0];
@@ -39,13 +40,9 @@ fn printed_gaussian(jet: &Jet) -> f64 {
         / (x * x + y * y + z * z).powi(2)
 }
 
-fn band(scheme: &dyn Differentiation, half_width: f64) -> Vec<BandVoxel> {
-    let tiles = scheme.support(half_width).tiles(TILE);
-    let band_of = |tile| match scheme.sample(&tile, half_width) {
-        TileSample::Varying { band, .. } => band,
-        TileSample::Constant { .. } => Vec::new(),
-    };
-    tiles.into_iter().flat_map(band_of).collect()
+fn band(scheme: &impl Differentiation, half_width: f64) -> Vec<BandVoxel> {
+    let tiles = scheme.embedding().support(half_width).tiles(TILE);
+    tiles.iter().flat_map(|tile| scheme.band(tile, half_width)).collect()
 }
 
 /// Root mean square errors of H, K and the printed K, relative to the largest principal curvature and its square.

@@ -4,12 +4,13 @@ mod common;
 
 use common::{phantom, poses};
 use std::f64::consts::{PI, SQRT_2, TAU};
-use surfometry::embedding::{GaussianEmbedding, TRUNCATION};
+use surfometry::embedding::{Embedding, GaussianEmbedding, TRUNCATION};
 use surfometry::local_geometry::{
-    Curvature, Differentiation, FiniteDifferences, GaussianDerivatives, Jet, TileSample,
+    Curvature, Differentiation, FiniteDifferences, GaussianDerivatives, Jet,
 };
 use surfometry::phantoms::{Ball, Ellipsoid, Phantom, Torus};
 use surfometry::surface::{Mesh, extract};
+use surfometry::tiling::TILE;
 use surfometry::volume::{FieldImage, FieldValues, Mask};
 
 fn scheme(mask: &Mask, sigma: f64) -> GaussianDerivatives<'_> {
@@ -37,10 +38,9 @@ fn at_a_voxel_the_jet_is_the_grids() {
     let phantom = phantom(Torus { major: 15.0, minor: 6.0 }, poses()[0], [1.0, 0.7, 1.4]);
     let mask = phantom.labels().unwrap().mask(1);
     let scheme = scheme(&mask, 2.0);
-    for tile in scheme.support(0.2).tiles(TILE) {
-        let TileSample::Varying { band, .. } = scheme.sample(&tile, 0.2) else { continue };
-        for voxel in band.iter().step_by(37) {
-            let jet = scheme.jets_at(&[voxel.index.map(|i| i as f64)])[0];
+    for tile in scheme.embedding().support(0.2).tiles(TILE) {
+        for voxel in scheme.band(&tile, 0.2).iter().step_by(37) {
+            let jet = scheme.jets(&[voxel.index.map(|i| i as f64)])[0];
             let numbers = |j: &Jet| [vec![j.value], j.gradient.to_vec(), j.hessian.to_vec()].concat();
             for (a, b) in numbers(&jet).iter().zip(numbers(&voxel.jet)) {
                 assert!((a - b).abs() < 1e-6, "{a} {b}");
@@ -57,7 +57,7 @@ fn off_the_grid_the_jet_is_the_fields_derivative() {
     let mask = phantom.labels().unwrap().mask(1);
     let scheme = scheme(&mask, 2.0);
     let mesh = extract(scheme.embedding(), mask.grid());
-    let at = |p: [f64; 3]| scheme.jets_at(&[p])[0];
+    let at = |p: [f64; 3]| scheme.jets(&[p])[0];
     for point in indices(&phantom, &mesh).into_iter().step_by(211) {
         let jet = at(point);
         for axis in 0..3 {
@@ -84,7 +84,7 @@ fn wide_blurs_are_interpolated_without_loss() {
     let (narrow, wide) = (scheme(&mask, 4.0), scheme(&mask, 4.000_001));
     let points = indices(&phantom, &extract(narrow.embedding(), mask.grid()));
     let h = |scheme: &GaussianDerivatives| -> Vec<Curvature> {
-        scheme.jets_at(&points).iter().map(|jet| Curvature::of(jet).unwrap()).collect()
+        scheme.jets(&points).iter().map(|jet| Curvature::of(jet).unwrap()).collect()
     };
     let (convolved, interpolated) = (h(&narrow), h(&wide));
     let pairs = || convolved.iter().zip(&interpolated);
@@ -123,7 +123,7 @@ fn newton_steps_gain_nothing() {
         let (exact, centre) = (blurred_radius(radius, sigma), phantom.pose().shift());
         let mut measured = Vec::new();
         for _ in 0..2 {
-            let jets = scheme.jets_at(&indices(&phantom, &mesh));
+            let jets = scheme.jets(&indices(&phantom, &mesh));
             let apart = |v: &[f64; 3]| norm(std::array::from_fn(|a| v[a] - centre[a])) - exact;
             let position = rms(mesh.vertices.iter().map(apart));
             let off_zero = rms(jets.iter().map(|j| j.value / j.gradient_magnitude()));
@@ -156,7 +156,7 @@ fn the_noise_of_h_falls_as_the_cube_of_sigma() {
         let mesh = extract(scheme.embedding(), mask.grid());
         let exact = 1.0 / blurred_radius(radius, sigma);
         let h =
-            scheme.jets_at(&indices(&phantom, &mesh)).into_iter().map(|j| Curvature::of(&j).unwrap().mean);
+            scheme.jets(&indices(&phantom, &mesh)).into_iter().map(|j| Curvature::of(&j).unwrap().mean);
         rms(h.map(|h| h - exact))
     };
     for sigma in [2.0, 3.0, 4.0] {
@@ -198,7 +198,7 @@ fn displacement_is_the_blurs_shift() {
             for sigma in [2.0, 3.0, 4.0] {
                 let scheme = scheme(&mask, sigma);
                 let mesh = extract(scheme.embedding(), mask.grid());
-                let jets = scheme.jets_at(&indices(&phantom, &mesh));
+                let jets = scheme.jets(&indices(&phantom, &mesh));
                 let truth: Vec<f64> = mesh.vertices.iter().map(|v| distance(&phantom, *v)).collect();
                 let shift = jets.iter().map(|j| -sigma * sigma * Curvature::of(j).unwrap().mean);
                 let error = rms(shift.zip(&truth).map(|(d, t)| d - t));
@@ -224,7 +224,7 @@ fn differences_at_vertices_of_a_smooth_field() {
         let field = FieldImage::new(grid, FieldValues::F64(values)).unwrap();
         let mesh = extract(&&field, &grid);
         let points = indices(&phantom, &mesh);
-        let jets = FiniteDifferences::new(&field, spacing).jets_at(&points);
+        let jets = FiniteDifferences::new(&field, spacing).jets(&points);
         let of = |jet: &Jet| Curvature::of(jet).unwrap();
         let truth: Vec<Curvature> = points.iter().map(|&p| of(&phantom.shape().jet(to_shape(p)))).collect();
         let mean = rms(jets.iter().zip(&truth).map(|(j, t)| 7.0 * (of(j).mean - t.mean)));

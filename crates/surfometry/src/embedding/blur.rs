@@ -195,14 +195,11 @@ impl Rows {
     }
 }
 
-/// Taps from the centre outward, in f32, that add up to exactly 1 as [`convolve`] adds them.
+/// Taps from the centre outward, in f32, that add up to exactly 1 as [`convolve`] adds them, the centre's last: it is what the others
+/// leave of 1, which the last sum rounds to 1 whatever was rounded before.
 fn half_taps(kernel: &GaussianKernel) -> Vec<f32> {
     let mut taps: Vec<f32> = kernel.taps()[kernel.radius()..].iter().map(|&tap| tap as f32).collect();
-    let sum = |taps: &[f32]| taps[1..].iter().fold(taps[0], |sum, tap| sum + tap * 2.0);
-    // The centre's last place is finer than that of the sum, and the others are left as they are.
-    while sum(&taps) != 1.0 {
-        taps[0] = if sum(&taps) < 1.0 { taps[0].next_up() } else { taps[0].next_down() };
-    }
+    taps[0] = 1.0 - taps[1..].iter().rev().fold(0.0, |sum, tap| sum + tap * 2.0);
     taps
 }
 
@@ -295,19 +292,19 @@ fn convolve_groups<const N: usize, S: Simd>(
 ) {
     let radius = taps.len() - 1;
     let mut sums = [f32x16::splat(simd, 0.0); N];
-    for group in 0..N {
-        sums[group] = lanes(simd, piece::<N>(values, starts[radius] + from), group) * taps[0];
-    }
-    for distance in 1..=radius {
-        let (before, behind) = (piece::<N>(values, starts[radius - distance] + from), piece::<N>(values, starts[radius + distance] + from));
+    for distance in (1..=radius).rev() {
+        let before = piece::<N>(values, starts[radius - distance] + from);
+        let behind = piece::<N>(values, starts[radius + distance] + from);
         let tap = f32x16::splat(simd, taps[distance]);
         for group in 0..N {
             let both = lanes(simd, before, group) + lanes(simd, behind, group);
             sums[group] = both.mul_add_precise(tap, sums[group]);
         }
     }
+    let centre = piece::<N>(values, starts[radius] + from);
     for group in 0..N {
-        sums[group].store_slice(&mut out[from + group * LANES..][..LANES]);
+        let sum = lanes(simd, centre, group).mul_add_precise(taps[0], sums[group]);
+        sum.store_slice(&mut out[from + group * LANES..][..LANES]);
     }
 }
 
@@ -324,28 +321,31 @@ fn convolve_pair<const N: usize, S: Simd>(
 ) {
     let radius = taps.len() - 1;
     let mut sums = [[f32x16::splat(simd, 0.0); N]; 2];
-    // The rows at distance n before the first and behind it are those at n + 1 before and n - 1 behind the second.
+    // Before the first row at a distance, which is one nearer than before the second; behind the second, one farther than
+    // behind the first.
     let (mut before, mut behind) = ([f32x16::splat(simd, 0.0); N], [f32x16::splat(simd, 0.0); N]);
-    let (centre, next) = (piece::<N>(values, starts[radius] + from), piece::<N>(values, starts[radius + 1] + from));
+    let (farthest, behind_all) =
+        (piece::<N>(values, starts[0] + from), piece::<N>(values, starts[2 * radius + 1] + from));
     for group in 0..N {
-        before[group] = lanes(simd, centre, group);
-        behind[group] = lanes(simd, next, group);
-        sums[0][group] = before[group] * taps[0];
-        sums[1][group] = behind[group] * taps[0];
+        before[group] = lanes(simd, farthest, group);
+        behind[group] = lanes(simd, behind_all, group);
     }
-    for distance in 1..=radius {
-        let (farther_before, farther_behind) = (piece::<N>(values, starts[radius - distance] + from), piece::<N>(values, starts[radius + distance + 1] + from));
+    for distance in (1..=radius).rev() {
+        let nearer_before = piece::<N>(values, starts[radius + 1 - distance] + from);
+        let nearer_behind = piece::<N>(values, starts[radius + distance] + from);
         let tap = f32x16::splat(simd, taps[distance]);
         for group in 0..N {
-            let (a, b) = (lanes(simd, farther_before, group), lanes(simd, farther_behind, group));
-            sums[0][group] = (a + behind[group]).mul_add_precise(tap, sums[0][group]);
-            sums[1][group] = (before[group] + b).mul_add_precise(tap, sums[1][group]);
+            let (a, b) = (lanes(simd, nearer_before, group), lanes(simd, nearer_behind, group));
+            sums[0][group] = (before[group] + b).mul_add_precise(tap, sums[0][group]);
+            sums[1][group] = (a + behind[group]).mul_add_precise(tap, sums[1][group]);
             (before[group], behind[group]) = (a, b);
         }
     }
     for group in 0..N {
-        sums[0][group].store_slice(&mut first[from + group * LANES..][..LANES]);
-        sums[1][group].store_slice(&mut second[from + group * LANES..][..LANES]);
+        let centre = before[group].mul_add_precise(taps[0], sums[0][group]);
+        let next = behind[group].mul_add_precise(taps[0], sums[1][group]);
+        centre.store_slice(&mut first[from + group * LANES..][..LANES]);
+        next.store_slice(&mut second[from + group * LANES..][..LANES]);
     }
 }
 
@@ -468,6 +468,20 @@ mod tests {
         let solid = Mask::from_predicate(grid, |_| true);
         let ones = blurred(&blur, &solid, &IndexBox::new([20, 20, 20], [36, 24, 24]));
         assert!(ones.iter().all(|&v| v == 1.0));
+    }
+
+    /// Taps add up to exactly 1 at any width.
+    #[test]
+    fn ones_stay_ones() {
+        for sigma in [0.05, 0.2, 0.31, 0.4, 0.5, 0.77, 1.0, 1.3, 2.0, 3.7, 11.0] {
+            let taps = half_taps(&GaussianKernel::new(sigma, 1.0, 0, 5.0));
+            let (length, nx) = (2 * taps.len(), LANES);
+            let starts: Vec<usize> = (0..length).map(|n| n * nx).collect();
+            let (mut a, mut b) = (vec![0.0; nx], vec![0.0; nx]);
+            let ones = vec![1.0; length * nx];
+            dispatch!(Level::new(), simd => convolve(simd, &taps, &ones, &starts, [MIXED; 2], [&mut a, &mut b]));
+            assert!(a.iter().chain(&b).all(|&v| v == 1.0), "sigma {sigma}");
+        }
     }
 
     /// What the machine's widest vectors give and what its narrowest give are the same bits.

@@ -6,6 +6,10 @@
 /// cut is not rounded up, M by 4e-5 and chi by 2e-4 (`tests/truncation.rs`).
 pub const TRUNCATION: f64 = 5.0;
 
+/// The same for a blur alone, the derivatives of which are differences: a cut at 4 sigma changes V by 8e-6, A by 5e-6 and M by 1e-6 then
+/// (`tests/truncation.rs`), because what it loses is smooth.
+pub const TRUNCATION_OF_BLUR: f64 = 4.0;
+
 /// Taps of a sampled Gaussian (order 0) or its first or second derivative, in units of 1/length^order.
 ///
 /// Taps are sampled, not integrated over voxels, then normalised so that, before the cut, a constant (order 0), a ramp

@@ -10,7 +10,7 @@ mod separable;
 
 pub use distance::DistanceEmbedding;
 pub use gaussian::GaussianEmbedding;
-pub use kernel::{GaussianKernel, TRUNCATION};
+pub use kernel::{GaussianKernel, TRUNCATION, TRUNCATION_OF_BLUR};
 pub(crate) use separable::Separable;
 
 use crate::tiling::{Block, IndexBox};

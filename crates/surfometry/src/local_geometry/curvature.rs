@@ -14,7 +14,7 @@ pub struct Curvature {
 }
 
 impl Curvature {
-    /// H and K, or `None` where the gradient vanishes (or is too small for its fourth power to be a number): there
+    /// H and K, or `None` where the gradient vanishes (or is too small for its square to be a number): there
     /// the level set has no normal. Where it is small but not 0, as half-way through a plate, they are numbers
     /// without meaning; the integrals leave those voxels out (`integrals::Band`).
     ///
@@ -114,7 +114,7 @@ mod tests {
     #[test]
     fn no_normal_no_curvature() {
         assert_eq!(Curvature::of(&Jet::default()), None);
-        let tiny = Jet { value: 0.0, gradient: [1e-120, 0.0, 0.0], hessian: [1.0; 6] };
+        let tiny = Jet { value: 0.0, gradient: [1e-170, 0.0, 0.0], hessian: [1.0; 6] };
         assert_eq!(Curvature::of(&tiny), None);
     }
 }

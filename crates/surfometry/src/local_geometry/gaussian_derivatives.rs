@@ -50,19 +50,24 @@ impl<'a> Differentiation for GaussianDerivatives<'a> {
     ) {
         let indices = band_indices(field, tile, half_width);
         let unit = self.embedding.sigma();
-        let hull = indices.iter().fold(IndexBox::EMPTY, |hull, &i| hull.hull(&IndexBox::voxel(i)));
-        let (mut rest, mut voxels) = (indices.as_slice(), BandVoxels::new());
-        let nx = hull.extent()[0];
-        let convolution = self.embedding.convolution();
-        convolution.for_each_slice(self.embedding.mask(), &hull, &DERIVATIVES, |z, planes| {
-            let (slice, others) = rest.split_at(rest.partition_point(|i| i[2] <= z));
-            rest = others;
-            for &index in slice {
-                let offset = (index[1] - hull.lower[1]) as usize * nx + (index[0] - hull.lower[0]) as usize;
-                let jet = jet_of_blur(field.get(index).into(), unit, |n| f64::from(planes[n][offset]));
-                voxels.push_jet(index, &jet, visit);
-            }
-        });
+        let mut voxels = BandVoxels::new();
+        // In parts, because ten derivatives of a whole tile are much to hold.
+        for indices in indices.chunk_by(|a, b| a[2].div_euclid(SLICES) == b[2].div_euclid(SLICES)) {
+            let hull = indices.iter().fold(IndexBox::EMPTY, |hull, &i| hull.hull(&IndexBox::voxel(i)));
+            let mut rest = indices;
+            let nx = hull.extent()[0];
+            let convolution = self.embedding.convolution();
+            convolution.for_each_slice(self.embedding.mask(), &hull, &DERIVATIVES, |z, planes| {
+                let (slice, others) = rest.split_at(rest.partition_point(|i| i[2] <= z));
+                rest = others;
+                for &index in slice {
+                    let offset =
+                        (index[1] - hull.lower[1]) as usize * nx + (index[0] - hull.lower[0]) as usize;
+                    let jet = jet_of_blur(field.get(index).into(), unit, |n| f64::from(planes[n][offset]));
+                    voxels.push_jet(index, &jet, visit);
+                }
+            });
+        }
         voxels.flush(visit);
     }
 
@@ -80,6 +85,8 @@ impl<'a> Differentiation for GaussianDerivatives<'a> {
     }
 }
 
+/// Slices of the band that are convolved together.
+const SLICES: i64 = 32;
 /// Sigma in spacings from which on the polynomial through six voxels an axis is right to 1e-5 (`tests/vertices.rs`).
 const WIDE: f64 = 4.0;
 /// Sigma in spacings below which a Gaussian's moments off the grid are not those on it (by 1e-3 here, by a factor of two at 0.43).

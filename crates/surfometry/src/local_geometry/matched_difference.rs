@@ -11,8 +11,8 @@ use std::sync::OnceLock;
 
 /// First and second derivatives at a voxel from four voxels on each side.
 ///
-/// Equal to [`super::GaussianDerivatives`] up to 5e-4 in area and 0.002 in the Euler characteristic at sigma = 1.5 voxels, 6e-5 and
-/// 3e-4 at 2 (`tests/matched_differences.rs`), for a third of the multiplications of ten convolutions. Below 1.5 voxels the
+/// Equal to [`super::GaussianDerivatives`] up to 2e-4 in area and 0.001 in the Euler characteristic at sigma = 1.75 voxels, 6e-5 and
+/// 3e-4 at 2 (`tests/matched_differences.rs`), for a third of the multiplications of ten convolutions. Below 1.75 voxels the
 /// neighbours of a voxel no longer tell its derivatives, and above 8 the rounding of the field's f32 shows in them: use Gaussian derivatives there.
 #[derive(Debug)]
 pub struct MatchedDifferences<'a> {
@@ -22,7 +22,7 @@ pub struct MatchedDifferences<'a> {
 }
 
 /// The smallest and the largest sigma in voxels for which the differences are right.
-const VALID: [f64; 2] = [1.5, 8.0];
+const VALID: [f64; 2] = [1.75, 8.0];
 /// Voxels around a tile that differences at its voxels and vertices need.
 const REACH: i64 = SIDE as i64 + 1;
 

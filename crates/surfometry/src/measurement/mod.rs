@@ -16,7 +16,6 @@ pub use result::{
 };
 pub use voxel_map::VoxelQuantity;
 
-use crate::embedding::TRUNCATION;
 use crate::integrals::{QuadratureRule, Smearing};
 use crate::volume::{FieldImage, LabelGroup, LabelImage, LabelSelection, Mask};
 use rayon::prelude::*;
@@ -41,7 +40,7 @@ pub struct Measurement {
     pub(crate) thickness: Option<f64>,
     pub(crate) epsilon: Option<f64>,
     pub(crate) level: f64,
-    truncation: f64,
+    truncation: Option<f64>,
 }
 
 impl Default for Measurement {
@@ -55,7 +54,7 @@ impl Default for Measurement {
             thickness: None,
             epsilon: None,
             level: 0.5,
-            truncation: TRUNCATION,
+            truncation: None,
         }
     }
 }
@@ -101,7 +100,7 @@ impl Measurement {
         Self { embedding, ..self }
     }
 
-    /// How the field is differentiated; by default by matched differences for the Gaussian embedding where sigma is 1.5 to 8 voxels
+    /// How the field is differentiated; by default by matched differences for the Gaussian embedding where sigma is 1.75 to 8 voxels
     /// along every axis, with Gaussian derivatives where it is not, and by finite differences for the other embeddings.
     #[must_use]
     pub fn derivatives(self, derivatives: Derivatives) -> Self {
@@ -120,10 +119,12 @@ impl Measurement {
         Self { delta, ..self }
     }
 
-    /// Cuts Gaussian kernels at another number of sigma than [`TRUNCATION`].
+    /// Cuts Gaussian kernels at another number of sigma than [`TRUNCATION`](crate::embedding::TRUNCATION), or
+    /// [`TRUNCATION_OF_BLUR`](crate::embedding::TRUNCATION_OF_BLUR) where the blurred field is
+    /// differentiated by differences.
     #[must_use]
     pub fn truncation(self, truncation: f64) -> Self {
-        Self { truncation, ..self }
+        Self { truncation: Some(truncation), ..self }
     }
 
     /// Measures the selected labels of an image, each as an object of its own, in parallel. `progress` is told how many

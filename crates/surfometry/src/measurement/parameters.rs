@@ -29,7 +29,7 @@ pub enum EmbeddingKind {
 pub enum Derivatives {
     /// Convolution with derivatives of the Gaussian.
     Gaussian,
-    /// Differences matched to the blur's spectrum: the same to 5e-4 in area from sigma = 1.5 voxels on, several times faster.
+    /// Differences matched to the blur's spectrum: the same to 2e-4 in area from sigma = 1.75 voxels on, several times faster.
     Matched,
     /// Fourth-order differences (the paper).
     FiniteDifference,
@@ -215,7 +215,7 @@ fn derivatives_of_blur(m: &Measurement, sigma: f64, spacing: Spacing) -> Result<
     let valid = MatchedDifferences::are_valid(sigma, spacing.mm());
     match m.derivatives {
         Some(Derivatives::Matched) if !valid => Err(MeasureError::Conflict(
-            "matched differences need a sigma of 1.5 to 8 voxels along every axis; use Gaussian derivatives, or another sigma",
+            "matched differences need a sigma of 1.75 to 8 voxels along every axis; use Gaussian derivatives, or another sigma",
         )),
         Some(chosen) => Ok(chosen),
         None if valid => Ok(Derivatives::Matched),

@@ -2,7 +2,9 @@
 
 use super::pass::{ObjectSums, Pass};
 use super::{Derivatives, EmbeddingKind, MeasureError, Measurement, Parameters};
-use crate::embedding::{DistanceEmbedding, GaussianEmbedding, GaussianKernel};
+use crate::embedding::{
+    DistanceEmbedding, GaussianEmbedding, GaussianKernel, TRUNCATION, TRUNCATION_OF_BLUR,
+};
 use crate::integrals::Band;
 use crate::local_geometry::{FiniteDifferences, GaussianDerivatives, MatchedDifferences};
 use crate::surface::Surface;
@@ -55,11 +57,12 @@ impl<'a> Scheme<'a> {
             let scheme = FiniteDifferences::new(DistanceEmbedding::new(mask), spacing.mm());
             return Ok(Some(Self::Distance(scheme)));
         };
-        if vanishes_for_certain(measurement, mask, sigma) {
+        if vanishes_for_certain(measurement, mask, sigma, truncation_of(measurement, parameters.derivatives)) {
             return Ok(None);
         }
         Parameters::check_reach("sigma", sigma, MOST_SIGMA_VOXELS, spacing)?;
-        let embedding = GaussianEmbedding::new(mask, sigma, measurement.level, measurement.truncation);
+        let truncation = truncation_of(measurement, parameters.derivatives);
+        let embedding = GaussianEmbedding::new(mask, sigma, measurement.level, truncation);
         Ok(Some(match parameters.derivatives {
             Derivatives::Gaussian => Self::Gaussian(GaussianDerivatives::new(embedding)),
             Derivatives::Matched => Self::Matched(MatchedDifferences::new(embedding)),
@@ -79,9 +82,16 @@ impl<'a> Scheme<'a> {
     }
 }
 
+fn truncation_of(measurement: &Measurement, derivatives: Derivatives) -> f64 {
+    measurement.truncation.unwrap_or(match derivatives {
+        Derivatives::Matched => TRUNCATION_OF_BLUR,
+        Derivatives::Gaussian | Derivatives::FiniteDifference => TRUNCATION,
+    })
+}
+
 /// Whether the blurred indicator stays below the level everywhere: it is at most that of the bounding box, whose
 /// maximum is a product over the axes of the largest sum of as many neighbouring taps as the box is wide.
-fn vanishes_for_certain(measurement: &Measurement, mask: &Mask, sigma: f64) -> bool {
+fn vanishes_for_certain(measurement: &Measurement, mask: &Mask, sigma: f64, truncation: f64) -> bool {
     // From there on samples and the integral differ by less than the hundredth that is added.
     const FINE: f64 = 20.0;
     let (spacing, extent) = (mask.grid().spacing().mm(), mask.bounds().extent());
@@ -90,7 +100,7 @@ fn vanishes_for_certain(measurement: &Measurement, mask: &Mask, sigma: f64) -> b
         if sigma > FINE * spacing[a] {
             (1.01 * libm::erf(width / (2.0 * std::f64::consts::SQRT_2 * sigma))).min(1.0)
         } else {
-            GaussianKernel::new(sigma, spacing[a], 0, measurement.truncation).largest_sum(extent[a])
+            GaussianKernel::new(sigma, spacing[a], 0, truncation).largest_sum(extent[a])
         }
     };
     (0..3).map(share).product::<f64>() < measurement.level * (1.0 - 1e-6)
