@@ -1,6 +1,5 @@
 //! Derivatives of the blurred indicator by differences that are matched to the blur.
 
-use super::jet::ORDERS;
 use super::matched_weights::{CentralWeights, NODES_BETWEEN, PointWeights, SIDE, Weights};
 use super::{BandVoxels, Differentiation, Jet};
 use super::band_voxels::GROUP as LANES;
@@ -72,41 +71,93 @@ impl<'a> Differentiation for MatchedDifferences<'a> {
     fn jets_at(&self, field: &Block<f32>, points: &[[f64; 3]]) -> Vec<Jet> {
         let (sigma, spacing) = (self.embedding.sigma(), self.embedding.mask().grid().spacing().mm());
         let between = self.between.get_or_init(|| spacing.map(|h| PointWeights::new(sigma, h)));
-        let jet = |point: &[f64; 3]| point_jet(field, &std::array::from_fn(|a| between[a].at(point[a])));
-        points.iter().map(jet).collect()
+        dispatch!(Level::new(), simd => point_jets(simd, field, between, points))
     }
 }
 
-/// The products of three axes' weights with the field around a point.
-fn point_jet(field: &Block<f32>, axes: &[(i64, Weights<NODES_BETWEEN>); 3]) -> Jet {
+#[inline(always)]
+fn point_jets<S: Simd>(
+    simd: S,
+    field: &Block<f32>,
+    between: &[PointWeights; 3],
+    points: &[[f64; 3]],
+) -> Vec<Jet> {
+    let mut jets = Vec::with_capacity(points.len());
+    for point in points {
+        let axes = [between[0].at(point[0]), between[1].at(point[1]), between[2].at(point[2])];
+        jets.push(point_jet(simd, field, &axes));
+    }
+    jets
+}
+
+/// The products of three axes' weights with the field around a point: rows along x are added up by the orders along y and z, then along
+/// x.
+#[inline(always)]
+fn point_jet<S: Simd>(simd: S, field: &Block<f32>, axes: &[(i64, Weights<NODES_BETWEEN>); 3]) -> Jet {
     let [(x, wx), (y, wy), (z, wz)] = axes;
-    let mut numbers = [0.0; 10];
+    let [nx, ny, _] = field.region().extent();
+    let first = field.offset([*x, *y, *z]);
+    let zero = [f32x8::splat(simd, 0.0); 2];
+    // By the orders along y and z: 00, 10, 20, 01, 11, 02.
+    let mut sums = [zero; 6];
     for k in 0..NODES_BETWEEN {
-        // Sums over a slice, by the orders along x and y.
-        let mut slice = [[0.0; 3]; 3];
+        let [w0, w1, w2] = [wz[0][k] as f32, wz[1][k] as f32, wz[2][k] as f32];
+        // A vertex lies at a voxel along two axes, whose value is that voxel's alone: then a slice beside it only adds to derivatives across
+        // slices, and a row beside it to those across rows.
+        let beside = w0 == 0.0;
+        let mut slice = [zero; 3];
         for j in 0..NODES_BETWEEN {
-            let start = field.offset([*x, y + j as i64, z + k as i64]);
-            let row: &[f32; NODES_BETWEEN] =
-                field.values()[start..][..NODES_BETWEEN].try_into().expect("as many as asked for");
-            // A vertex lies at a voxel along two axes, whose value is that voxel's alone. Rows beside it along both add to
-            // derivatives along neither x nor x and another axis.
-            let orders = if wy[0][j] == 0.0 && wz[0][k] == 0.0 { 1 } else { 3 };
-            for (sums, weights) in slice.iter_mut().zip(wx).take(orders) {
-                let along_x: f64 = row.iter().zip(weights).map(|(&v, w)| f64::from(v) * w).sum();
-                for (sum, w) in sums.iter_mut().zip(wy) {
-                    *sum += along_x * w[j];
-                }
+            let row = x_row(simd, &field.values()[first + k * nx * ny + j * nx..]);
+            let [v0, v1, v2] = [wy[0][j] as f32, wy[1][j] as f32, wy[2][j] as f32];
+            if v0 != 0.0 {
+                add(&mut slice[0], row, v0);
+            }
+            add(&mut slice[1], row, v1);
+            if !beside {
+                add(&mut slice[2], row, v2);
             }
         }
-        for (number, [ox, oy, oz]) in numbers.iter_mut().zip(ORDERS) {
-            *number += slice[ox][oy] * wz[oz][k];
+        if !beside {
+            add(&mut sums[0], slice[0], w0);
+            add(&mut sums[1], slice[1], w0);
+            add(&mut sums[2], slice[2], w0);
         }
+        add(&mut sums[3], slice[0], w1);
+        add(&mut sums[4], slice[1], w1);
+        add(&mut sums[5], slice[0], w2);
     }
+    let sums = sums.map(|sum| sum.map(SimdBase::to_array));
+    let along_x = |sum: usize, order: usize| {
+        let [start, end] = &sums[sum];
+        // The second eight overlap the first by six.
+        let values = start.iter().chain(&end[2 * 8 - NODES_BETWEEN..]);
+        values.zip(&wx[order]).map(|(&v, w)| f64::from(v) * w).sum::<f64>()
+    };
     Jet {
-        value: numbers[0],
-        gradient: std::array::from_fn(|n| numbers[n + 1]),
-        hessian: std::array::from_fn(|n| numbers[n + 4]),
+        value: along_x(0, 0),
+        gradient: [along_x(0, 1), along_x(1, 0), along_x(3, 0)],
+        hessian: [
+            along_x(0, 2),
+            along_x(2, 0),
+            along_x(5, 0),
+            along_x(1, 1),
+            along_x(3, 1),
+            along_x(4, 0),
+        ],
     }
+}
+
+/// The nodes of a row, as its first and its last eight.
+#[inline(always)]
+fn x_row<S: Simd>(simd: S, row: &[f32]) -> [f32x8<S>; 2] {
+    let row = &row[..NODES_BETWEEN];
+    [f32x8::from_slice(simd, &row[..8]), f32x8::from_slice(simd, &row[NODES_BETWEEN - 8..])]
+}
+
+#[inline(always)]
+fn add<S: Simd>(sum: &mut [f32x8<S>; 2], row: [f32x8<S>; 2], weight: f32) {
+    sum[0] = row[0].mul_add_precise(weight, sum[0]);
+    sum[1] = row[1].mul_add_precise(weight, sum[1]);
 }
 
 /// Groups of lanes that a tile's rows are made of.

@@ -180,19 +180,27 @@ impl PointWeights {
     }
 
     /// The first voxel that is needed for a fractional index, and the weights, by the parabola through three that are kept.
+    #[inline(always)]
     pub(super) fn at(&self, position: f64) -> (i64, Weights<NODES_BETWEEN>) {
         let voxel = position.floor();
+        let first = voxel as i64 - SIDE as i64;
         let step = (position - voxel) * STEPS as f64;
-        let middle = (step.round() as usize).clamp(1, STEPS - 1);
+        if step == 0.0 {
+            return (first, self.0[0]);
+        }
+        let middle = ((step + 0.5) as usize).clamp(1, STEPS - 1);
         let x = step - middle as f64;
-        let shares = [0.5 * x * (x - 1.0), 1.0 - x * x, 0.5 * x * (x + 1.0)];
+        let (low, high) = (0.5 * x * (x - 1.0), 0.5 * x * (x + 1.0));
+        let [before, kept, behind] = [&self.0[middle - 1], &self.0[middle], &self.0[middle + 1]];
         let mut weights = [[0.0; NODES_BETWEEN]; 3];
-        for (share, kept) in shares.iter().zip(&self.0[middle - 1..]) {
-            for (sums, kept) in weights.iter_mut().zip(kept) {
-                sums.iter_mut().zip(kept).for_each(|(sum, weight)| *sum += share * weight);
+        for order in 0..3 {
+            for k in 0..NODES_BETWEEN {
+                weights[order][k] = low * before[order][k]
+                    + (1.0 - x * x) * kept[order][k]
+                    + high * behind[order][k];
             }
         }
-        (voxel as i64 - SIDE as i64, weights)
+        (first, weights)
     }
 }
 

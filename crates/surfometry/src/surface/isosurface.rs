@@ -15,7 +15,7 @@ use std::collections::HashMap;
 pub fn extract<E: Embedding>(embedding: &E, grid: &Grid) -> Mesh {
     let tiles = SurfaceTiles::of(embedding);
     let parts: Vec<TileMesh> = tiles.boxes.par_iter().map(|tile| tiles.mesh(tile)).collect();
-    stitched(parts, grid)
+    stitched(&parts, grid)
 }
 
 /// Where a surface's cells lie: the support of a field and one voxel around it, which is outside and closes the surface; less where
@@ -49,32 +49,54 @@ impl<'a, E: Embedding> SurfaceTiles<'a, E> {
 }
 
 /// Joins tiles by the names of the vertices that they share.
-pub(crate) fn stitched(parts: Vec<TileMesh>, grid: &Grid) -> Mesh {
-    let mut mesh = Mesh::default();
-    let mut lent: HashMap<EdgeKey, u32> = HashMap::new();
+pub(crate) fn stitched(parts: &[TileMesh], grid: &Grid) -> Mesh {
+    let mut vertices = vec![[0.0; 3]; parts.iter().map(TileMesh::own_count).sum()];
+    let places = cut(&mut vertices, parts.iter().map(TileMesh::own_count));
+    let mut before = 0;
+    let firsts = parts.iter().map(|part| {
+        before += part.own_count();
+        u32::try_from(before).expect("fewer than 2^32 vertices") - part.own_count() as u32
+    });
+    let firsts: Vec<u32> = firsts.collect();
     // By tile, the numbers of its vertices in the whole; those of borrowed ones are filled in afterwards.
-    let mut numbers: Vec<Vec<u32>> = Vec::with_capacity(parts.len());
-    for part in &parts {
+    let numbered = |((part, places), first): ((&TileMesh, &mut [[f64; 3]]), u32)| {
         let mut own = vec![0; part.positions.len()];
-        for (vertex, position) in part.own_vertices() {
-            own[vertex] = u32::try_from(mesh.vertices.len()).expect("fewer than 2^32 vertices");
-            mesh.vertices.push(grid.affine().apply(position));
+        for (number, (place, (vertex, position))) in (first..).zip(places.iter_mut().zip(part.own_vertices())) {
+            own[vertex] = number;
+            *place = grid.affine().apply(position);
         }
-        lent.extend(part.lent.iter().map(|(vertex, key)| (*key, own[*vertex as usize])));
-        numbers.push(own);
-    }
+        own
+    };
+    let mut numbers: Vec<Vec<u32>> = parts.par_iter().zip(places).zip(firsts).map(numbered).collect();
+    let lent: HashMap<EdgeKey, u32> = parts
+        .iter()
+        .zip(&numbers)
+        .flat_map(|(part, own)| part.lent.iter().map(|(vertex, key)| (*key, own[*vertex as usize])))
+        .collect();
     // Where the image mirrors, what turns counter-clockwise in index space turns clockwise in the world.
     let mirrored = grid.affine().determinant() < 0.0;
-    for (part, mut numbers) in parts.into_iter().zip(numbers) {
+    let mut triangles = vec![[0; 3]; parts.iter().map(|part| part.triangles.len()).sum()];
+    let places = cut(&mut triangles, parts.iter().map(|part| part.triangles.len()));
+    parts.par_iter().zip(&mut numbers).zip(places).for_each(|((part, numbers), places)| {
         for (vertex, key) in &part.borrowed {
             numbers[*vertex as usize] = lent[key];
         }
-        mesh.triangles.extend(part.triangles.iter().map(|triangle| {
+        for (place, triangle) in places.iter_mut().zip(&part.triangles) {
             let [a, b, c] = triangle.map(|v| numbers[v as usize]);
-            if mirrored { [a, c, b] } else { [a, b, c] }
-        }));
-    }
-    mesh
+            *place = if mirrored { [a, c, b] } else { [a, b, c] };
+        }
+    });
+    Mesh { vertices, triangles }
+}
+
+/// Consecutive pieces of the given lengths.
+fn cut<T>(mut values: &mut [T], lengths: impl Iterator<Item = usize>) -> Vec<&mut [T]> {
+    let piece = |length: usize| {
+        let (piece, rest) = std::mem::take(&mut values).split_at_mut(length);
+        values = rest;
+        piece
+    };
+    lengths.map(piece).collect()
 }
 
 /// What is known of a surface without keeping it.
@@ -132,7 +154,7 @@ impl SurfaceSums {
     /// Volume as seen from image index 0, in the order of the triangles.
     pub(crate) fn of_tile(mesh: &TileMesh, spacing: [f64; 3]) -> Self {
         let mut sums = Self {
-            vertices: (mesh.positions.len() - mesh.borrowed.len()) as u64,
+            vertices: mesh.own_count() as u64,
             triangles: mesh.triangles.len() as u64,
             border_edges: mesh.border_edges,
             ..Self::default()

@@ -50,8 +50,9 @@ impl Surface {
         };
         let (meshes, geometry): (Vec<TileMesh>, Vec<_>) =
             limits.tiles(TILE).par_iter().map(part).unzip();
-        let mesh = stitched(meshes, grid);
-        let vertices = completed(&mesh, geometry.concat(), shift_sigma.map(|_| 0.0));
+        let mesh = stitched(&meshes, grid);
+        drop(meshes);
+        let vertices = completed(&mesh, geometry, shift_sigma.map(|_| 0.0));
         Self { mesh, vertices }
     }
 
@@ -115,15 +116,16 @@ impl Surface {
 /// Gives vertices whose gradient has collapsed the mean normal of their triangles.
 fn completed(
     mesh: &Mesh,
-    geometry: Vec<Option<VertexGeometry>>,
+    geometry: Vec<Vec<Option<VertexGeometry>>>,
     displacement: Option<f64>,
 ) -> Vec<VertexGeometry> {
-    if geometry.iter().all(Option::is_some) {
-        return geometry.into_iter().flatten().collect();
+    let collapsed = geometry.iter().flatten().any(Option::is_none);
+    if !collapsed {
+        return geometry.into_par_iter().flat_map_iter(|part| part.into_iter().flatten()).collect();
     }
     let normals = mesh.vertex_normals();
     let complete = |(vertex, normal): (Option<VertexGeometry>, [f64; 3])| {
         vertex.unwrap_or_else(|| VertexGeometry::collapsed(normal, displacement))
     };
-    geometry.into_iter().zip(normals).map(complete).collect()
+    geometry.into_iter().flatten().zip(normals).map(complete).collect()
 }

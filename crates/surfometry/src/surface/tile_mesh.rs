@@ -51,6 +51,11 @@ impl TileMesh {
         builder.mesh
     }
 
+    /// How many vertices are this tile's own.
+    pub(crate) fn own_count(&self) -> usize {
+        self.positions.len() - self.borrowed.len()
+    }
+
     /// Numbers and positions of the vertices that are this tile's own, in order.
     pub(crate) fn own_vertices(&self) -> impl Iterator<Item = (usize, [f64; 3])> {
         let mut borrowed = self.borrowed.iter().map(|(vertex, _)| *vertex as usize).peekable();
