@@ -1,7 +1,9 @@
 //! Connected components of a mask and of its background, by runs.
 
 use super::DisjointSets;
+use crate::tiling::IndexBox;
 use crate::volume::Mask;
+use std::ops::Range;
 
 /// What is counted and when two voxels are neighbours.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -17,41 +19,131 @@ type Run = (i64, i64);
 
 /// Number of connected components. Memory is proportional to the number of runs, not of voxels.
 pub fn count_components(mask: &Mask, connectivity: Connectivity) -> u64 {
+    let mut counter = ComponentCounter::new(connectivity);
     let region = mask.bounds().grown([1; 3]);
-    if region.is_empty() {
-        return u64::from(connectivity == Connectivity::Background6);
+    counter.add(mask, region.lower[2]..region.upper[2]);
+    counter.count()
+}
+
+/// Counts components slices by slices, remembering the last slice alone.
+#[derive(Debug, Clone)]
+pub(crate) struct ComponentCounter {
+    connectivity: Connectivity,
+    sets: DisjointSets,
+    /// Components that no later slice can reach.
+    finished: u64,
+    /// The runs of the slice before, with the number of each row's first; `None` where it has no voxel of the object.
+    previous: Option<SliceOfRuns>,
+}
+
+#[derive(Debug, Clone)]
+struct SliceOfRuns {
+    first_row: i64,
+    rows: Vec<(usize, Vec<Run>)>,
+}
+
+impl SliceOfRuns {
+    fn row(&self, y: i64) -> Option<&(usize, Vec<Run>)> {
+        usize::try_from(y - self.first_row).ok().and_then(|row| self.rows.get(row))
     }
-    let (y0, y1, z0, z1) = (region.lower[1], region.upper[1], region.lower[2], region.upper[2]);
-    let row_runs = |y, z| match connectivity {
-        Connectivity::Foreground26 => mask.runs(y, z).collect::<Vec<_>>(),
-        Connectivity::Background6 => gaps(mask.runs(y, z), region.lower[0], region.upper[0]),
-    };
-    // 26: runs of neighbouring rows also touch where they end one voxel apart; 6: only rows that share a face.
-    let (slack, earlier): (i64, &[(i64, i64)]) = match connectivity {
-        Connectivity::Foreground26 => (1, &[(-1, 0), (-1, -1), (0, -1), (1, -1)]),
-        Connectivity::Background6 => (0, &[(-1, 0), (0, -1)]),
-    };
-    let mut sets = DisjointSets::default();
-    // Runs of the previous and of this slice, row by row, each with the number of its first run.
-    let mut previous: Vec<(usize, Vec<Run>)> = Vec::new();
-    for z in z0..z1 {
-        let mut current: Vec<(usize, Vec<Run>)> = Vec::with_capacity((y1 - y0) as usize);
-        for y in y0..y1 {
-            let runs = row_runs(y, z);
-            let first = sets.add(runs.len());
-            for (dy, dz) in earlier {
-                let rows = if *dz == 0 { &current } else { &previous };
-                if let Some((other_first, other)) =
-                    usize::try_from(y + dy - y0).ok().and_then(|r| rows.get(r))
-                {
-                    join_touching(&mut sets, (first, &runs), (*other_first, other), slack);
+
+    fn members(&self) -> impl Iterator<Item = usize> + '_ {
+        self.rows.iter().flat_map(|(first, runs)| *first..*first + runs.len())
+    }
+}
+
+/// Number of the background's set that everything beyond the object's box belongs to.
+const OUTSIDE: usize = 0;
+
+impl ComponentCounter {
+    pub(crate) fn new(connectivity: Connectivity) -> Self {
+        let mut sets = DisjointSets::default();
+        if connectivity == Connectivity::Background6 {
+            sets.add(1);
+        }
+        Self { connectivity, sets, finished: 0, previous: None }
+    }
+
+    /// Adds the next slices. The mask holds the object's part in them and in the slice before.
+    pub(crate) fn add(&mut self, mask: &Mask, slices: Range<i64>) {
+        let bounds = mask.bounds();
+        let box_of_runs = bounds.grown([1, 1, 0]);
+        let inside = slices.start.max(bounds.lower[2])..slices.end.min(bounds.upper[2]);
+        if self.previous.is_some() && inside.start > slices.start {
+            self.end_object();
+        }
+        for z in inside.clone() {
+            self.add_slice(mask, z, &box_of_runs);
+        }
+        if inside.end < slices.end {
+            self.end_object();
+        }
+        self.compact();
+    }
+
+    /// Number of components of what was added.
+    pub(crate) fn count(&self) -> u64 {
+        self.finished + self.sets.count()
+    }
+
+    /// After a slice without the object: what was open behind belongs to the outside.
+    fn end_object(&mut self) {
+        let Some(previous) = self.previous.take() else { return };
+        if self.connectivity == Connectivity::Background6 {
+            previous.members().for_each(|gap| self.sets.join(gap, OUTSIDE));
+        }
+    }
+
+    fn add_slice(&mut self, mask: &Mask, z: i64, region: &IndexBox) {
+        let foreground = self.connectivity == Connectivity::Foreground26;
+        // 26: runs of neighbouring rows also touch where they end one voxel apart; 6: only rows that share a face.
+        let (slack, earlier): (i64, &[(i64, bool)]) = if foreground {
+            (1, &[(-1, false), (-1, true), (0, true), (1, true)])
+        } else {
+            (0, &[(-1, false), (0, true)])
+        };
+        let (x0, x1) = (region.lower[0], region.upper[0]);
+        let mut current = SliceOfRuns { first_row: region.lower[1], rows: Vec::new() };
+        let previous = self.previous.take();
+        for y in region.lower[1]..region.upper[1] {
+            let runs =
+                if foreground { mask.runs(y, z).collect() } else { gaps(mask.runs(y, z), x0, x1) };
+            let first = self.sets.add(runs.len());
+            for &(dy, in_previous_slice) in earlier {
+                let slice = if in_previous_slice { previous.as_ref() } else { Some(&current) };
+                if let Some((other_first, other)) = slice.and_then(|slice| slice.row(y + dy)) {
+                    join_touching(&mut self.sets, (first, &runs), (*other_first, other), slack);
                 }
             }
-            current.push((first, runs));
+            if !foreground {
+                // Beyond its box, and beside a slice without the object, there is background.
+                let previous_row = previous.as_ref().and_then(|slice| slice.row(y));
+                for (number, run) in (first..).zip(&runs) {
+                    let beyond = previous_row.is_none_or(|(_, row)| {
+                        row.first().is_none_or(|r| run.0 < r.0) || row.last().is_none_or(|r| run.1 > r.1)
+                    });
+                    if beyond || run.0 == x0 || run.1 == x1 {
+                        self.sets.join(number, OUTSIDE);
+                    }
+                }
+            }
+            current.rows.push((first, runs));
         }
-        previous = current;
+        self.previous = Some(current);
     }
-    sets.count()
+
+    /// Forgets the sets that the last slice does not meet.
+    fn compact(&mut self) {
+        let background = self.connectivity == Connectivity::Background6;
+        let mut members: Vec<usize> = if background { vec![OUTSIDE] } else { Vec::new() };
+        members.extend(self.previous.iter().flat_map(SliceOfRuns::members));
+        self.finished += self.sets.keep(&members);
+        let mut next = usize::from(background);
+        for (first, runs) in self.previous.iter_mut().flat_map(|slice| &mut slice.rows) {
+            *first = next;
+            next += runs.len();
+        }
+    }
 }
 
 /// What lies between runs on x0..x1.
@@ -130,7 +222,19 @@ mod tests {
             let mask = Mask::from_predicate(grid, |[x, y, z]| on[(z * n[1] + y) * n[0] + x]);
             prop_assume!(!mask.is_empty());
             for connectivity in [Connectivity::Foreground26, Connectivity::Background6] {
-                prop_assert_eq!(count_components(&mask, connectivity), flood(n, &on, connectivity));
+                let all = flood(n, &on, connectivity);
+                prop_assert_eq!(count_components(&mask, connectivity), all);
+                // In parts, each of which holds no more than its slices and the one before.
+                for cuts in [[-1, 1, 5], [-1, 2, 5], [-1, 3, 5], [-1, 0, 5]] {
+                    let mut counter = ComponentCounter::new(connectivity);
+                    for pair in cuts.windows(2) {
+                        let part = Mask::from_predicate(grid, |[x, y, z]| {
+                            (pair[0] - 1..pair[1]).contains(&(z as i64)) && mask.get([x, y, z].map(|v| v as i64))
+                        });
+                        counter.add(&part, pair[0]..pair[1]);
+                    }
+                    prop_assert_eq!(counter.count(), all);
+                }
             }
         }
     }

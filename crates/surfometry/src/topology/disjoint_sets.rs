@@ -1,7 +1,7 @@
 //! What is connected with what.
 
 /// Union-find with path halving.
-#[derive(Default)]
+#[derive(Debug, Clone, Default)]
 pub(crate) struct DisjointSets {
     parent: Vec<usize>,
 }
@@ -27,6 +27,17 @@ impl DisjointSets {
     pub(crate) fn join(&mut self, a: usize, b: usize) {
         let (a, b) = (self.root(a), self.root(b));
         self.parent[a.max(b)] = a.min(b);
+    }
+
+    /// Keeps the sets of some members only, each member numbered by its place in the list; how many other sets there were.
+    pub(crate) fn keep(&mut self, members: &[usize]) -> u64 {
+        let roots: Vec<usize> = members.iter().map(|&member| self.root(member)).collect();
+        let all = self.count();
+        let mut first = std::collections::HashMap::new();
+        let parent: Vec<usize> =
+            roots.iter().enumerate().map(|(place, root)| *first.entry(*root).or_insert(place)).collect();
+        self.parent = parent;
+        all - first.len() as u64
     }
 
     /// Number of sets.
