@@ -89,7 +89,7 @@ fn json_is_the_contract() {
     assert_eq!(record["label"], 1);
     assert!(record["name"].is_null() && record["grid_noise"]["volume_mm3"].is_null());
     assert_eq!(record["flags"][0]["code"], "not-computed");
-    assert_eq!(record["parameters"]["derivatives"], "gaussian");
+    assert_eq!(record["parameters"]["derivatives"], "matched");
     let chi = record["euler_characteristic"].as_f64().unwrap();
     assert!((chi - 2.0).abs() < 0.01);
 }

@@ -5,9 +5,7 @@ mod common;
 use common::{measure, phantom, poses};
 use surfometry::Measurement;
 use surfometry::embedding::{Embedding, GaussianEmbedding, TRUNCATION};
-use surfometry::local_geometry::{
-    Curvature, Differentiation, FiniteDifferences, GaussianDerivatives,
-};
+use surfometry::local_geometry::{Curvature, Differentiation, FiniteDifferences, GaussianDerivatives};
 use surfometry::measurement::{Derivatives, Measured};
 use surfometry::phantoms::{Ball, Torus};
 use surfometry::tiling::TILE;

@@ -29,13 +29,16 @@ fn plain(mask: &Mask, sigma: f64, derivatives: Derivatives) -> PlainValues {
 /// 0.002 at 1.5 voxels, 6e-5 and 0.0003 at 2), and that A errs upwards at narrow blurs.
 #[test]
 fn areas_and_euler_numbers_are_those_of_gaussian_derivatives() {
-    for (sigma, area_bound, chi_bound) in [(1.75, 3e-4, 0.002), (2.0, 1e-4, 0.0006), (3.0, 2e-5, 0.0002), (7.9, 1e-4, 0.002)] {
+    for (sigma, area_bound, chi_bound) in
+        [(1.75, 3e-4, 0.002), (2.0, 1e-4, 0.0006), (3.0, 2e-5, 0.0002), (7.9, 1e-4, 0.002)]
+    {
         for mask in torus([1.0; 3]) {
             let exact = plain(&mask, sigma, Derivatives::Gaussian);
             let matched = plain(&mask, sigma, Derivatives::Matched);
             let area = matched.surface_area_mm2.unwrap() / exact.surface_area_mm2.unwrap() - 1.0;
             let chi = matched.euler_characteristic.unwrap() - exact.euler_characteristic.unwrap();
-            let mean = matched.total_mean_curvature_mm.unwrap() / exact.total_mean_curvature_mm.unwrap() - 1.0;
+            let mean =
+                matched.total_mean_curvature_mm.unwrap() / exact.total_mean_curvature_mm.unwrap() - 1.0;
             println!("sigma {sigma}: A {area:+.1e}, M {mean:+.1e}, chi {chi:+.5}");
             assert!(area.abs() < area_bound && mean.abs() < 2.0 * area_bound && chi.abs() < chi_bound);
             if sigma == 1.75 {
@@ -78,13 +81,10 @@ fn every_derivative_is_right_on_unequal_spacings() {
         };
         let (a, b) = (band(&exact, half_width), band(&matched, half_width));
         assert!(a.len() > 5000);
-        assert_eq!(
-            a.iter().map(|v| v.index).collect::<Vec<_>>(),
-            {
-                // Both walk a tile in the order of its memory.
-                b.iter().map(|v| v.index).collect::<Vec<_>>()
-            }
-        );
+        assert_eq!(a.iter().map(|v| v.index).collect::<Vec<_>>(), {
+            // Both walk a tile in the order of its memory.
+            b.iter().map(|v| v.index).collect::<Vec<_>>()
+        });
         let jets = |band: &[BandVoxel]| band.iter().map(|v| v.jet).collect::<Vec<_>>();
         let on_grid = worst(&jets(&a), &jets(&b));
         let (origin, grid) = (mask.grid().affine().origin, mask.grid().spacing().mm());
@@ -93,7 +93,8 @@ fn every_derivative_is_right_on_unequal_spacings() {
         let points: Vec<[f64; 3]> = mesh.vertices.iter().map(index).collect();
         let (at_vertices, exact_there) = (matched.jets(&points), exact.jets(&points));
         let off_grid = worst(&at_vertices, &exact_there);
-        let curvature = |jets: &[Jet]| jets.iter().map(|j| Curvature::of(j).unwrap().mean).collect::<Vec<_>>();
+        let curvature =
+            |jets: &[Jet]| jets.iter().map(|j| Curvature::of(j).unwrap().mean).collect::<Vec<_>>();
         let mean = curvature(&at_vertices)
             .iter()
             .zip(curvature(&exact_there))
@@ -108,7 +109,9 @@ fn every_derivative_is_right_on_unequal_spacings() {
 #[test]
 fn chosen_where_they_hold() {
     let mask = phantom(Ellipsoid { radii: [9.0; 3] }, poses()[0], [0.6, 0.6, 1.0]).labels().unwrap().mask(1);
-    let chosen = |sigma: f64| Measurement::default().sigma_mm(sigma).thickness_mm(2.5).run(&mask).unwrap().parameters.derivatives;
+    let chosen = |sigma: f64| {
+        Measurement::default().sigma_mm(sigma).thickness_mm(2.5).run(&mask).unwrap().parameters.derivatives
+    };
     assert_eq!(chosen(1.75), Derivatives::Matched);
     assert_eq!(chosen(4.79), Derivatives::Matched);
     assert_eq!(chosen(1.7), Derivatives::Gaussian);

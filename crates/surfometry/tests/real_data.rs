@@ -114,7 +114,8 @@ fn topology_of_every_label_is_scikit_images() {
 fn nine_vertebrae_of_a_scan() {
     let input = shared("bone/sub-verse004_seg-vert_msk.nii.gz");
     let m = Measurement::default();
-    let records = measure_input(input.to_str().unwrap(), &m, &InputOptions::default(), |_, _| {}).unwrap();
+    let records =
+        measure_input(input.to_str().unwrap(), &m, &InputOptions::default(), |_| {}).unwrap().records;
     let labels: Vec<String> = records.iter().map(|r| r.label.as_ref().unwrap().to_string()).collect();
     assert_eq!(labels, (16..=24).map(|l: i32| l.to_string()).collect::<Vec<_>>());
     for record in records {
@@ -138,7 +139,8 @@ fn three_slices_give_no_absurd_numbers() {
     for name in ["liver_seg.nrrd", "spine_seg.nrrd"] {
         let input = shared("formats/original").join(name);
         let m = Measurement::default();
-        for record in measure_input(input.to_str().unwrap(), &m, &InputOptions::default(), |_, _| {}).unwrap()
+        for record in
+            measure_input(input.to_str().unwrap(), &m, &InputOptions::default(), |_| {}).unwrap().records
         {
             let m = &record.measured;
             let codes = common::codes(m);

@@ -5,9 +5,7 @@ mod common;
 use common::{phantom, poses};
 use std::f64::consts::{PI, SQRT_2, TAU};
 use surfometry::embedding::{Embedding, GaussianEmbedding, TRUNCATION};
-use surfometry::local_geometry::{
-    Curvature, Differentiation, FiniteDifferences, GaussianDerivatives, Jet,
-};
+use surfometry::local_geometry::{Curvature, Differentiation, FiniteDifferences, GaussianDerivatives, Jet};
 use surfometry::phantoms::{Ball, Ellipsoid, Phantom, Torus};
 use surfometry::surface::{Mesh, extract};
 use surfometry::tiling::TILE;
@@ -155,8 +153,7 @@ fn the_noise_of_h_falls_as_the_cube_of_sigma() {
         let scheme = scheme(&mask, sigma);
         let mesh = extract(scheme.embedding(), mask.grid());
         let exact = 1.0 / blurred_radius(radius, sigma);
-        let h =
-            scheme.jets(&indices(&phantom, &mesh)).into_iter().map(|j| Curvature::of(&j).unwrap().mean);
+        let h = scheme.jets(&indices(&phantom, &mesh)).into_iter().map(|j| Curvature::of(&j).unwrap().mean);
         rms(h.map(|h| h - exact))
     };
     for sigma in [2.0, 3.0, 4.0] {

@@ -3,17 +3,20 @@
 use super::{ALL_DONE, SOME_FAILED};
 use crate::inputs::{expand, grey_image_warning};
 use crate::options::MeasureOptions;
-use crate::output::{check_output, csv_text, deliver, failures_text, json_text, say, table_text};
+use crate::output::{
+    check_output, csv_text, deliver, failures_text, json_text, memory_text, say, table_text, timings_text,
+};
 use crate::progress::{progress_bar, said_failure};
 use anyhow::{Result, bail};
 use clap::ValueEnum;
+use std::cell::Cell;
 use std::ffi::OsStr;
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 use surfometry::Measurement;
 use surfometry::runs::{
-    Failure, FileLedger, InputError, InputOptions, MapFile, MapStyle, Output, Record, distinct_parts,
-    measure_input, visit_objects, with_parts, write_map_files,
+    Failure, FileLedger, InputError, InputOptions, InputRecords, MapFile, MapStyle, Output, Record,
+    distinct_parts, measure_input, visit_objects, with_parts, write_map_files,
 };
 
 /// Measure the objects of label images
@@ -41,6 +44,12 @@ pub(crate) struct Args {
     /// `_NAME` and `_label-N` go before the ending
     #[arg(long, value_name = "FILE.png")]
     png: Option<PathBuf>,
+    /// Says on stderr where the time went, stage by stage
+    #[arg(long)]
+    timings: bool,
+    /// Says on stderr how much memory was needed
+    #[arg(long, short)]
+    verbose: bool,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -73,16 +82,21 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
     let (mut ledger, mut all_drawn) = (FileLedger::new(&inputs), true);
     for (input, part) in inputs.iter().zip(distinct_parts(&inputs)) {
         progress.set_message(input.clone());
-        let outcome = measure_input(input, &measurement, &wanted, |done, total| {
-            if let Some(warning) = grey_image_warning(input, total).filter(|_| done == 0 && !quiet) {
+        let warned = Cell::new(quiet);
+        let outcome = measure_input(input, &measurement, &wanted, |at| {
+            if let Some(warning) = grey_image_warning(input, at.labels).filter(|_| !warned.replace(true)) {
                 progress.suspend(|| say(&warning));
             }
-            if total > 1 {
-                progress.set_message(format!("{input}, {done} of {total} objects"));
-            }
+            progress.set_message(format!("{input}, slice {} of {}", at.slices, at.of_slices));
         });
         match outcome {
-            Ok(records) => {
+            Ok(InputRecords { records, read_seconds, decode_seconds }) => {
+                if args.timings {
+                    progress.suspend(|| say(&timings_text(input, &records, read_seconds, decode_seconds)));
+                }
+                if args.verbose {
+                    progress.suspend(|| say(&memory_text(input)));
+                }
                 results.extend(records);
                 if let Some(path) = &args.png {
                     let path = with_parts(path, part.as_slice());

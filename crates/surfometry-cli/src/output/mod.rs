@@ -2,9 +2,11 @@
 
 mod csv;
 mod table;
+mod timings;
 
 pub(crate) use csv::csv_text;
 pub(crate) use table::{Layout, digits, failures_text, flags_text, table_text};
+pub(crate) use timings::{memory_text, timings_text};
 
 use anyhow::{Context, Result, bail};
 use serde::Serialize;

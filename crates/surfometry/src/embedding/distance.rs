@@ -31,14 +31,14 @@ impl<'a> DistanceEmbedding<'a> {
         let [x, y, z] = self.spacing.map(|h| h * STENCIL_REACH);
         half_width + libm::sqrt(x * x + y * y + z * z)
     }
-
-    fn halo(&self, half_width: f64) -> [i64; 3] {
-        self.spacing.map(|h| (self.reach(half_width) / h).ceil() as i64 + 1)
-    }
 }
 
 impl Embedding for DistanceEmbedding<'_> {
     type Value = f64;
+
+    fn halo(&self, half_width: f64) -> [i64; 3] {
+        self.spacing.map(|h| (self.reach(half_width) / h).ceil() as i64 + 1)
+    }
 
     fn support(&self, half_width: f64) -> IndexBox {
         self.mask.bounds().grown(self.halo(half_width))

@@ -66,6 +66,10 @@ impl Embedding for GaussianEmbedding<'_> {
         self.mask.bounds().grown(self.convolution.halo())
     }
 
+    fn halo(&self, _half_width: f64) -> [i64; 3] {
+        self.convolution.halo()
+    }
+
     fn evaluate_in(&self, storage: Vec<f32>, region: &IndexBox, _half_width: f64) -> Block<f32> {
         let level = self.level as f32;
         let mut phi = Block::reusing(storage, *region, level);

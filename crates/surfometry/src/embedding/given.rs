@@ -12,6 +12,10 @@ impl Embedding for &FieldImage {
         self.grid().index_box()
     }
 
+    fn halo(&self, _half_width: f64) -> [i64; 3] {
+        [0; 3]
+    }
+
     fn available(&self, region: &IndexBox) -> IndexBox {
         region.intersection(&self.grid().index_box())
     }

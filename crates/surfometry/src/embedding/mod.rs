@@ -23,6 +23,9 @@ pub trait Embedding: Sync {
     /// A box outside which no voxel can have |phi| <= `half_width` or phi < 0.
     fn support(&self, half_width: f64) -> IndexBox;
 
+    /// Voxels of the object, on each side of a voxel, that the field there depends on.
+    fn halo(&self, half_width: f64) -> [i64; 3];
+
     /// The part of a box where the field exists: all of it, unless the field ends at the image's edge.
     fn available(&self, region: &IndexBox) -> IndexBox {
         *region

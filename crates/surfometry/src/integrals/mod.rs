@@ -14,6 +14,7 @@ use crate::local_geometry::Differentiation;
 use crate::tiling::IndexBox;
 use crate::volume::Spacing;
 use rayon::prelude::*;
+use std::time::Duration;
 
 /// The part of an object's integrals that lies in some boxes, each of which is one tile or a part of one.
 ///
@@ -27,7 +28,7 @@ pub fn integrate_boxes<D: Differentiation + ?Sized>(
 ) -> Partial {
     let part = |tile: &IndexBox| {
         let field = scheme.tile_field(Vec::new(), tile, band.delta().half_width());
-        Partial::of_tile(scheme, &field, tile, band, quadrature)
+        Partial::of_tile(scheme, &field, tile, band, quadrature, &mut Duration::default())
     };
     boxes.par_iter().map(part).reduce(Partial::default, |a, b| a.merged(&b))
 }

@@ -4,6 +4,7 @@ use super::{Band, Quadrature};
 use crate::local_geometry::{BandVoxels, Curvature, Differentiation, Jet, TileField};
 use crate::tiling::{Block, ExactSum, IndexBox};
 use fearless_simd::{Level, dispatch};
+use std::time::{Duration, Instant};
 
 /// Voxels that are computed together. Sums run over every eighth voxel, then over the eight.
 const LANES: usize = 8;
@@ -98,14 +99,16 @@ pub struct Partial {
 }
 
 impl Partial {
-    /// The part of one tile, from its field.
+    /// The part of one tile, from its field. The time that summing takes, not differentiating, is added to `summing`.
     pub fn of_tile<D: Differentiation + ?Sized>(
         scheme: &D,
         field: &TileField<D>,
         tile: &IndexBox,
         band: &Band,
         quadrature: &Quadrature,
+        summing: &mut Duration,
     ) -> Self {
+        let start = Instant::now();
         let weights = Weights::new(quadrature, *tile);
         let mut partial = Self::default();
         match field {
@@ -116,10 +119,14 @@ impl Partial {
             }
             TileField::Varying(field) => {
                 let half_width = band.delta().half_width();
-                let beyond = dispatch!(Level::new(), _simd => partial.add_inside(field, tile, half_width, &weights));
+                let beyond =
+                    dispatch!(Level::new(), _simd => partial.add_inside(field, tile, half_width, &weights));
+                *summing += start.elapsed();
                 let mut sums = BandSums::default();
                 scheme.visit_band(field, tile, half_width, &mut |voxels| {
+                    let start = Instant::now();
                     dispatch!(Level::new(), _simd => sums.add(voxels, band, &weights));
+                    *summing += start.elapsed();
                 });
                 partial.volume.add(beyond + sums.volume.iter().sum::<f64>());
                 partial.surface.add(&sums.surface.total());
@@ -195,7 +202,9 @@ impl BandSums {
         for start in (0..voxels.len()).step_by(LANES) {
             let count = (voxels.len() - start).min(LANES);
             let column = |n: usize| -> &Lanes {
-                voxels.column(n)[start..][..LANES].try_into().expect("columns are a multiple of the lanes long")
+                voxels.column(n)[start..][..LANES]
+                    .try_into()
+                    .expect("columns are a multiple of the lanes long")
             };
             let columns: [&Lanes; 10] = std::array::from_fn(column);
             // 0 in the lanes that no voxel fills.

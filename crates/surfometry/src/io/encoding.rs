@@ -5,13 +5,35 @@ use super::header::{DataOffset, Encoding, VoxelData};
 use flate2::read::{MultiGzDecoder, ZlibDecoder};
 use std::fs::File;
 use std::io::{self, BufReader, Read, Seek, SeekFrom};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::Instant;
 
 /// Reads ahead in pieces that keep system calls few.
 const BUFFER: usize = 1 << 18;
 
+/// A file that adds up how long reading it takes.
+struct Timed {
+    file: File,
+    nanoseconds: Arc<AtomicU64>,
+}
+
+impl Read for Timed {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        let start = Instant::now();
+        let outcome = self.file.read(buffer);
+        self.nanoseconds.fetch_add(start.elapsed().as_nanos() as u64, Ordering::Relaxed);
+        outcome
+    }
+}
+
 /// Opens voxel data, positioned at the first voxel. `bytes` is how many the header promises: raw data are checked
-/// against the file's size before anything is read.
-pub(crate) fn open(data: &VoxelData, bytes: u64) -> Result<Box<dyn Read + Send>, ReadError> {
+/// against the file's size before anything is read. `spent` adds up the nanoseconds that the file itself takes.
+pub(crate) fn open(
+    data: &VoxelData,
+    bytes: u64,
+    spent: &Arc<AtomicU64>,
+) -> Result<Box<dyn Read + Send>, ReadError> {
     let io_error = |e| ReadError::io(&data.path, e);
     let mut file = File::open(&data.path).map_err(io_error)?;
     let size = file.metadata().map_err(io_error)?.len();
@@ -25,7 +47,7 @@ pub(crate) fn open(data: &VoxelData, bytes: u64) -> Result<Box<dyn Read + Send>,
         return Err(ReadError::Truncated { found: available, expected: bytes });
     }
     file.seek(SeekFrom::Start(start)).map_err(io_error)?;
-    let stored = BufReader::with_capacity(BUFFER, file);
+    let stored = BufReader::with_capacity(BUFFER, Timed { file, nanoseconds: Arc::clone(spent) });
     let mut decoded: Box<dyn Read + Send> = match data.encoding {
         Encoding::Raw => Box::new(stored),
         Encoding::Gzip => Box::new(MultiGzDecoder::new(stored)),

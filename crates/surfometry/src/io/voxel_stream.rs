@@ -6,6 +6,9 @@ use super::{ImageHeader, ReadError, ReadOptions};
 use crate::volume::{Grid, Samples, ScalarType, Slab, SlabReader, VolumeError, slices_a_slab};
 use std::io::Read;
 use std::path::Path;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::Duration;
 
 /// An open image file, read slab by slab.
 pub struct VoxelStream {
@@ -14,6 +17,7 @@ pub struct VoxelStream {
     voxels: Box<dyn Read + Send>,
     next_slice: usize,
     buffer: Vec<u8>,
+    file_nanoseconds: Arc<AtomicU64>,
 }
 
 impl VoxelStream {
@@ -24,13 +28,19 @@ impl VoxelStream {
     pub fn open(path: &Path, options: ReadOptions) -> Result<Self, ReadError> {
         let header = super::read_header(path)?;
         let grid = header.grid(options.spacing)?;
-        let voxels = encoding::open(&header.data, total_bytes(&header))?;
-        Ok(Self { header, grid, voxels, next_slice: 0, buffer: Vec::new() })
+        let file_nanoseconds = Arc::default();
+        let voxels = encoding::open(&header.data, total_bytes(&header), &file_nanoseconds)?;
+        Ok(Self { header, grid, voxels, next_slice: 0, buffer: Vec::new(), file_nanoseconds })
     }
 
     /// The file's header.
     pub fn header(&self) -> &ImageHeader {
         &self.header
+    }
+
+    /// How long the file itself has taken, decompression left out.
+    pub fn file_time(&self) -> Duration {
+        Duration::from_nanos(self.file_nanoseconds.load(Ordering::Relaxed))
     }
 
     fn fill(&mut self, bytes: usize) -> Result<(), ReadError> {

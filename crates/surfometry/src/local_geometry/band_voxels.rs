@@ -14,7 +14,7 @@ pub struct BandVoxel {
 /// Most voxels that are handed on together: their columns stay in the processor's nearest caches.
 const CAPACITY: usize = 256;
 /// Most voxels that are added together.
-pub(super) const GROUP: usize = u8::BITS as usize;
+pub(crate) const GROUP: usize = u8::BITS as usize;
 
 /// Some voxels of a band. Kept by columns, so that curvature is computed for many at once.
 #[derive(Debug, Clone)]

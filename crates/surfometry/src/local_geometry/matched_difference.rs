@@ -1,8 +1,8 @@
 //! Derivatives of the blurred indicator by differences that are matched to the blur.
 
+use super::band_voxels::GROUP as LANES;
 use super::matched_weights::{CentralWeights, NODES_BETWEEN, PointWeights, SIDE, Weights};
 use super::{BandVoxels, Differentiation, Jet};
-use super::band_voxels::GROUP as LANES;
 use crate::embedding::GaussianEmbedding;
 use crate::tiling::{Block, IndexBox};
 use fearless_simd::{Level, dispatch, f32x8, prelude::*};
@@ -136,14 +136,7 @@ fn point_jet<S: Simd>(simd: S, field: &Block<f32>, axes: &[(i64, Weights<NODES_B
     Jet {
         value: along_x(0, 0),
         gradient: [along_x(0, 1), along_x(1, 0), along_x(3, 0)],
-        hessian: [
-            along_x(0, 2),
-            along_x(2, 0),
-            along_x(5, 0),
-            along_x(1, 1),
-            along_x(3, 1),
-            along_x(4, 0),
-        ],
+        hessian: [along_x(0, 2), along_x(2, 0), along_x(5, 0), along_x(1, 1), along_x(3, 1), along_x(4, 0)],
     }
 }
 

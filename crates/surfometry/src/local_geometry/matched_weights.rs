@@ -195,9 +195,8 @@ impl PointWeights {
         let mut weights = [[0.0; NODES_BETWEEN]; 3];
         for order in 0..3 {
             for k in 0..NODES_BETWEEN {
-                weights[order][k] = low * before[order][k]
-                    + (1.0 - x * x) * kept[order][k]
-                    + high * behind[order][k];
+                weights[order][k] =
+                    low * before[order][k] + (1.0 - x * x) * kept[order][k] + high * behind[order][k];
             }
         }
         (first, weights)
@@ -234,10 +233,14 @@ mod tests {
                 for order in 0..3 {
                     let scale = sigma.powi(order as i32) * (2.0 * PI).sqrt();
                     let on_grid = (apply(&central[order], -4.0) - exact[order]).abs() * scale;
-                    let off_grid = (apply(&weights[order], first as f64 - share) - exact[order]).abs() * scale;
+                    let off_grid =
+                        (apply(&weights[order], first as f64 - share) - exact[order]).abs() * scale;
                     assert!(on_grid < bound, "sigma {sigma}, order {order}, x {x}: {on_grid:.1e}");
                     // Between the positions that are kept, weights are interpolated.
-                    assert!(off_grid < bound + 2e-6, "sigma {sigma}, order {order}, x {x}: {off_grid:.1e} off grid");
+                    assert!(
+                        off_grid < bound + 2e-6,
+                        "sigma {sigma}, order {order}, x {x}: {off_grid:.1e} off grid"
+                    );
                 }
             }
         }

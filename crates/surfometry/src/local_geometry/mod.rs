@@ -10,6 +10,7 @@ mod matched_difference;
 mod matched_weights;
 mod stencil;
 
+pub(crate) use band_voxels::GROUP as BAND_GROUP;
 pub use band_voxels::{BandVoxel, BandVoxels};
 pub use curvature::Curvature;
 pub use finite_difference::FiniteDifferences;
@@ -49,7 +50,12 @@ pub trait Differentiation: Sync {
     fn jets_at(&self, field: &FieldBlock<Self>, points: &[[f64; 3]]) -> Vec<Jet>;
 
     /// The field of a tile, in memory that was used before.
-    fn tile_field(&self, storage: Vec<FieldValue<Self>>, tile: &IndexBox, half_width: f64) -> TileField<Self> {
+    fn tile_field(
+        &self,
+        storage: Vec<FieldValue<Self>>,
+        tile: &IndexBox,
+        half_width: f64,
+    ) -> TileField<Self> {
         // A tile's cells reach one voxel beyond it.
         let cells = self.embedding().available(&IndexBox::new(tile.lower, tile.upper.map(|u| u + 1)));
         match self.embedding().constant_on(&cells, half_width) {

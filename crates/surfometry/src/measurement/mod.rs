@@ -5,15 +5,18 @@ mod parameters;
 mod pass;
 mod result;
 mod scheme;
+mod setup;
+mod streaming;
 mod voxel_map;
 mod voxels;
 
 pub use object::Object;
 pub use parameters::{Derivatives, EmbeddingKind, MeasureError, Parameters};
 pub use result::{
-    CompensatedValues, GridSummary, Measured, MeshSummary, PlainValues, TopologySummary, UncertainValues,
-    VoxelSummary,
+    CompensatedValues, GridSummary, Measured, MeshSummary, PlainValues, StageSeconds, TopologySummary,
+    UncertainValues, VoxelSummary,
 };
+pub use streaming::{Progress, StreamError, Streamed};
 pub use voxel_map::VoxelQuantity;
 
 use crate::integrals::{QuadratureRule, Smearing};

@@ -6,6 +6,7 @@ use crate::surface::{SurfaceSums, TileMesh, cell_limits};
 use crate::tiling::{IndexBox, Pool, TILE};
 use crate::volume::Spacing;
 use rayon::prelude::*;
+use std::ops::Range;
 use std::time::{Duration, Instant};
 
 /// What the tiles of an object add up to, in any order.
@@ -20,6 +21,7 @@ pub(super) struct ObjectSums {
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct StageTimes {
     pub(super) embed: Duration,
+    pub(super) derive: Duration,
     pub(super) integrate: Duration,
     pub(super) surface: Duration,
 }
@@ -36,9 +38,17 @@ impl ObjectSums {
 }
 
 impl StageTimes {
+    /// The part of a walk's time that its integrals took.
+    pub(super) fn share_of_integrals(&self, walk: Duration) -> Duration {
+        let integrals = self.embed + self.derive + self.integrate;
+        let all = (integrals + self.surface).as_secs_f64();
+        if all > 0.0 { walk.mul_f64(integrals.as_secs_f64() / all) } else { walk }
+    }
+
     fn merged(&self, other: &Self) -> Self {
         Self {
             embed: self.embed + other.embed,
+            derive: self.derive + other.derive,
             integrate: self.integrate + other.integrate,
             surface: self.surface + other.surface,
         }
@@ -52,15 +62,21 @@ pub(super) struct Pass<'a> {
     pub(super) spacing: Spacing,
     /// Whether the mesh is wanted beside the integrals.
     pub(super) with_surface: bool,
+    /// The slices in which the tiles lie that are wanted; all where `None`.
+    pub(super) slices: Option<Range<i64>>,
 }
 
 impl Pass<'_> {
-    /// Sums over the tiles whose slices begin in a range, in parallel; the same bits for any number of threads.
+    /// Sums over the tiles in parallel; the same bits for any number of threads.
     pub(super) fn sums<D: Differentiation>(&self, scheme: &D) -> ObjectSums {
         let limits = cell_limits(scheme.embedding(), self.band.delta().half_width());
         let storage = Pool::<Vec<FieldValue<D>>>::default();
         let part = |tile: &IndexBox| storage.with(|memory| self.tile(scheme, tile, &limits, memory));
-        limits.tiles(TILE).par_iter().map(part).reduce(ObjectSums::default, |a, b| a.merged(&b))
+        let wanted =
+            |tile: &IndexBox| self.slices.as_ref().is_none_or(|slices| slices.contains(&tile.lower[2]));
+        let mut tiles = limits.tiles(TILE);
+        tiles.retain(wanted);
+        tiles.par_iter().map(part).reduce(ObjectSums::default, |a, b| a.merged(&b))
     }
 
     fn tile<D: Differentiation>(
@@ -73,7 +89,8 @@ impl Pass<'_> {
         let start = Instant::now();
         let field = scheme.tile_field(std::mem::take(memory), tile, self.band.delta().half_width());
         let embedded = Instant::now();
-        let integrals = Partial::of_tile(scheme, &field, tile, self.band, self.quadrature);
+        let mut summing = Duration::ZERO;
+        let integrals = Partial::of_tile(scheme, &field, tile, self.band, self.quadrature, &mut summing);
         let integrated = Instant::now();
         let mut surface = SurfaceSums::default();
         if let TileField::Varying(field) = field {
@@ -84,7 +101,8 @@ impl Pass<'_> {
         }
         let times = StageTimes {
             embed: embedded - start,
-            integrate: integrated - embedded,
+            derive: (integrated - embedded).saturating_sub(summing),
+            integrate: summing,
             surface: integrated.elapsed(),
         };
         ObjectSums { integrals, surface, times }

@@ -43,6 +43,9 @@ pub struct Measured {
     pub read_seconds: Option<f64>,
     /// Time from the decoded labels to all integrals, s.
     pub seconds: f64,
+    /// Time by stage; not part of the records.
+    #[serde(skip)]
+    pub timings: StageSeconds,
 }
 
 impl std::ops::Deref for Measured {
@@ -88,6 +91,21 @@ impl PlainValues {
             total_squared_mean_curvature: Some(surface.mean_squared),
         }
     }
+}
+
+/// Time in each stage, s, summed over threads.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct StageSeconds {
+    /// Making the field.
+    pub embed: f64,
+    /// Differentiating it in the band.
+    pub derive: f64,
+    /// Curvature and sums.
+    pub integrate: f64,
+    /// The mesh.
+    pub surface: f64,
+    /// Euler numbers, components, cavities.
+    pub topology: f64,
 }
 
 /// The integrals that can be compensated.

@@ -1,12 +1,13 @@
 //! The field of an object and its derivatives, as the parameters choose them.
 
 use super::pass::{ObjectSums, Pass};
-use super::{Derivatives, EmbeddingKind, MeasureError, Measurement, Parameters};
+use super::setup::Setup;
+use super::{Derivatives, MeasureError, Parameters};
 use crate::embedding::{
-    DistanceEmbedding, GaussianEmbedding, GaussianKernel, TRUNCATION, TRUNCATION_OF_BLUR,
+    DistanceEmbedding, Embedding, GaussianEmbedding, GaussianKernel, TRUNCATION, TRUNCATION_OF_BLUR,
 };
 use crate::integrals::Band;
-use crate::local_geometry::{FiniteDifferences, GaussianDerivatives, MatchedDifferences};
+use crate::local_geometry::{Differentiation, FiniteDifferences, GaussianDerivatives, MatchedDifferences};
 use crate::surface::Surface;
 use crate::volume::{FieldImage, Grid, Mask};
 
@@ -41,35 +42,46 @@ pub(super) use with_scheme;
 
 impl<'a> Scheme<'a> {
     /// Of a mask; `None` where the blur is known to leave nothing.
-    pub(super) fn of_mask(
-        measurement: &Measurement,
-        mask: &'a Mask,
-        parameters: &Parameters,
-    ) -> Result<Option<Self>, MeasureError> {
-        let spacing = mask.grid().spacing();
-        let Some(sigma) = parameters.sigma_mm else {
-            if measurement.embedding == EmbeddingKind::Given {
-                return Err(MeasureError::Conflict(
-                    "a given embedding is a field, not a mask: use `run_field`",
-                ));
-            }
-            Parameters::check_reach("thickness", parameters.thickness_mm, MOST_BAND_VOXELS, spacing)?;
-            let scheme = FiniteDifferences::new(DistanceEmbedding::new(mask), spacing.mm());
-            return Ok(Some(Self::Distance(scheme)));
-        };
-        if vanishes_for_certain(measurement, mask, sigma, truncation_of(measurement, parameters.derivatives)) {
+    pub(super) fn of_mask(setup: &Setup, mask: &'a Mask) -> Result<Option<Self>, MeasureError> {
+        if setup.parameters.sigma_mm.is_some_and(|sigma| vanishes_for_certain(setup, mask, sigma)) {
             return Ok(None);
         }
-        Parameters::check_reach("sigma", sigma, MOST_SIGMA_VOXELS, spacing)?;
-        let truncation = truncation_of(measurement, parameters.derivatives);
-        let embedding = GaussianEmbedding::new(mask, sigma, measurement.level, truncation);
-        Ok(Some(match parameters.derivatives {
+        Self::check_reach(setup)?;
+        Ok(Some(Self::of_part(setup, mask)))
+    }
+
+    /// Refuses a blur or band that reaches over too many voxels.
+    pub(super) fn check_reach(setup: &Setup) -> Result<(), MeasureError> {
+        let (parameters, spacing) = (&setup.parameters, setup.grid.spacing());
+        match parameters.sigma_mm {
+            Some(sigma) => Parameters::check_reach("sigma", sigma, MOST_SIGMA_VOXELS, spacing),
+            None => Parameters::check_reach("thickness", parameters.thickness_mm, MOST_BAND_VOXELS, spacing),
+        }
+    }
+
+    /// Of a mask that may be a part of the object.
+    pub(super) fn of_part(setup: &Setup, mask: &'a Mask) -> Self {
+        let (parameters, spacing) = (&setup.parameters, setup.grid.spacing().mm());
+        let Some(sigma) = parameters.sigma_mm else {
+            return Self::Distance(FiniteDifferences::new(DistanceEmbedding::new(mask), spacing));
+        };
+        let embedding = GaussianEmbedding::new(mask, sigma, setup.measurement.level, truncation_of(setup));
+        match parameters.derivatives {
             Derivatives::Gaussian => Self::Gaussian(GaussianDerivatives::new(embedding)),
             Derivatives::Matched => Self::Matched(MatchedDifferences::new(embedding)),
             Derivatives::FiniteDifference => {
-                Self::GaussianDifferences(FiniteDifferences::new(embedding, spacing.mm()))
+                Self::GaussianDifferences(FiniteDifferences::new(embedding, spacing))
             }
-        }))
+        }
+    }
+
+    /// Slices around some in which an object must be known for what is summed over them.
+    pub(super) fn reach(&self, setup: &Setup) -> i64 {
+        // Beyond the field's own reach, that of differences and of cells.
+        const DIFFERENCES: i64 = 8;
+        let half_width = setup.band.delta().half_width();
+        let slices = with_scheme!(self, s => s.embedding().halo(half_width)[2]);
+        slices + DIFFERENCES
     }
 
     pub(super) fn sums(&self, pass: &Pass) -> ObjectSums {
@@ -82,8 +94,8 @@ impl<'a> Scheme<'a> {
     }
 }
 
-fn truncation_of(measurement: &Measurement, derivatives: Derivatives) -> f64 {
-    measurement.truncation.unwrap_or(match derivatives {
+fn truncation_of(setup: &Setup) -> f64 {
+    setup.measurement.truncation.unwrap_or(match setup.parameters.derivatives {
         Derivatives::Matched => TRUNCATION_OF_BLUR,
         Derivatives::Gaussian | Derivatives::FiniteDifference => TRUNCATION,
     })
@@ -91,7 +103,7 @@ fn truncation_of(measurement: &Measurement, derivatives: Derivatives) -> f64 {
 
 /// Whether the blurred indicator stays below the level everywhere: it is at most that of the bounding box, whose
 /// maximum is a product over the axes of the largest sum of as many neighbouring taps as the box is wide.
-fn vanishes_for_certain(measurement: &Measurement, mask: &Mask, sigma: f64, truncation: f64) -> bool {
+fn vanishes_for_certain(setup: &Setup, mask: &Mask, sigma: f64) -> bool {
     // From there on samples and the integral differ by less than the hundredth that is added.
     const FINE: f64 = 20.0;
     let (spacing, extent) = (mask.grid().spacing().mm(), mask.bounds().extent());
@@ -100,8 +112,8 @@ fn vanishes_for_certain(measurement: &Measurement, mask: &Mask, sigma: f64, trun
         if sigma > FINE * spacing[a] {
             (1.01 * libm::erf(width / (2.0 * std::f64::consts::SQRT_2 * sigma))).min(1.0)
         } else {
-            GaussianKernel::new(sigma, spacing[a], 0, truncation).largest_sum(extent[a])
+            GaussianKernel::new(sigma, spacing[a], 0, truncation_of(setup)).largest_sum(extent[a])
         }
     };
-    (0..3).map(share).product::<f64>() < measurement.level * (1.0 - 1e-6)
+    (0..3).map(share).product::<f64>() < setup.measurement.level * (1.0 - 1e-6)
 }

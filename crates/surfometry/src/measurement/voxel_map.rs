@@ -88,7 +88,7 @@ impl Object<'_> {
         tile: &IndexBox,
         quantity: VoxelQuantity,
     ) -> Vec<f32> {
-        let half_width = self.band.delta().half_width();
+        let half_width = self.setup.band.delta().half_width();
         let all = IndexBox::new([0; 3], tile.extent().map(|n| n as i64));
         let mut values = Block::filled(all, 0.0f32);
         match (scheme.tile_field(Vec::new(), tile, half_width), quantity) {
@@ -115,7 +115,7 @@ impl Object<'_> {
 
     /// Of a voxel of the band; 0 where the gradient has collapsed, as in the integrals.
     fn band_value(&self, voxel: &BandVoxel, quantity: VoxelQuantity) -> f64 {
-        let Some((density, curvature)) = self.band.element(&voxel.jet) else { return 0.0 };
+        let Some((density, curvature)) = self.setup.band.element(&voxel.jet) else { return 0.0 };
         match quantity {
             VoxelQuantity::MeanCurvature => curvature.mean,
             VoxelQuantity::GaussianCurvature => curvature.gaussian,

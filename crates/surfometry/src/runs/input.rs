@@ -3,12 +3,14 @@
 use super::{Record, visit_objects};
 use crate::accuracy::{Flag, FlagCode};
 use crate::io::{ImageHeader, ReadError, ReadOptions, VoxelStream};
-use crate::measurement::{EmbeddingKind, MeasureError, Measured, Measurement};
+use crate::measurement::{
+    EmbeddingKind, MeasureError, Measured, Measurement, Progress, StreamError, Streamed,
+};
 use crate::phantoms::{ParsePhantomError, Phantom, Truth};
 use crate::volume::{FieldImage, LabelGroup, LabelImage, LabelSelection, VolumeError};
 use std::io;
 use std::path::{Path, PathBuf};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 use thiserror::Error;
 
 /// Why an input could not be measured.
@@ -58,6 +60,15 @@ pub enum InputError {
     Unfit(&'static str),
 }
 
+impl<E: std::error::Error + Into<Self>> From<StreamError<E>> for InputError {
+    fn from(error: StreamError<E>) -> Self {
+        match error {
+            StreamError::Read(error) => error.into(),
+            StreamError::Measure(error) => error.into(),
+        }
+    }
+}
+
 impl From<VolumeError> for InputError {
     fn from(error: VolumeError) -> Self {
         Self::Read(error.into())
@@ -94,19 +105,9 @@ pub struct LabelInput {
 pub fn open_labels(input: &str, spacing: Option<[f64; 3]>) -> Result<LabelInput, InputError> {
     let start = Instant::now();
     if Phantom::is_spec(input) {
-        if spacing.is_some() {
-            return Err(InputError::Unfit(
-                "a phantom's spacing is part of its name: phantom:NAME?spacing=x,y,z",
-            ));
-        }
-        let phantom = Phantom::from_spec(input)?;
+        let (phantom, truth, flags) = open_phantom(input, spacing)?;
         let image = phantom.labels()?;
         let read_seconds = start.elapsed().as_secs_f64();
-        let truth = phantom.truth();
-        let unknown =
-            "the phantom's exact integrals did not converge: the shape is too fine for its period and size";
-        let flags =
-            if truth.is_none() { vec![Flag::new(FlagCode::TruthNotConverged, unknown)] } else { Vec::new() };
         return Ok(LabelInput { image, header: None, truth, flags, read_seconds });
     }
     let mut stream = VoxelStream::open(Path::new(input), ReadOptions { spacing })?;
@@ -115,6 +116,23 @@ pub fn open_labels(input: &str, spacing: Option<[f64; 3]>) -> Result<LabelInput,
     let flags = conflict_flag(&header, spacing).into_iter().collect();
     let read_seconds = start.elapsed().as_secs_f64();
     Ok(LabelInput { image, header: Some(header), truth: None, flags, read_seconds })
+}
+
+/// A phantom with its truth, and a warning where that is not known.
+fn open_phantom(
+    input: &str,
+    spacing: Option<[f64; 3]>,
+) -> Result<(Phantom, Option<Truth>, Vec<Flag>), InputError> {
+    if spacing.is_some() {
+        return Err(InputError::Unfit("a phantom's spacing is part of its name: phantom:NAME?spacing=x,y,z"));
+    }
+    let phantom = Phantom::from_spec(input)?;
+    let truth = phantom.truth();
+    let unknown =
+        "the phantom's exact integrals did not converge: the shape is too fine for its period and size";
+    let flags =
+        if truth.is_none() { vec![Flag::new(FlagCode::TruthNotConverged, unknown)] } else { Vec::new() };
+    Ok((phantom, truth, flags))
 }
 
 fn conflict_flag(header: &ImageHeader, spacing: Option<[f64; 3]>) -> Option<Flag> {
@@ -127,7 +145,7 @@ fn conflict_flag(header: &ImageHeader, spacing: Option<[f64; 3]>) -> Option<Flag
     Some(Flag::new(FlagCode::SpacingConflict, message))
 }
 
-/// Measures every selected object of an input; `progress` is told how many are done, of how many, from any thread.
+/// Measures every selected object of an input as its slices go by; `progress` is told after each slab.
 ///
 /// # Errors
 /// [`InputError`]; nothing of the input is reported then.
@@ -135,25 +153,55 @@ pub fn measure_input(
     input: &str,
     measurement: &Measurement,
     options: &InputOptions,
-    progress: impl Fn(usize, usize) + Sync,
-) -> Result<Vec<Record>, InputError> {
+    progress: impl Fn(Progress),
+) -> Result<InputRecords, InputError> {
     if measurement.embedding == EmbeddingKind::Given {
         let mut records = Vec::new();
         visit_objects(input, measurement, options, |field| {
             records.push(field.record());
             Ok(())
         })?;
-        return Ok(records);
+        let read = records.iter().filter_map(|r| r.measured.read_seconds).sum();
+        return Ok(InputRecords { records, read_seconds: read, decode_seconds: 0.0 });
     }
-    let source = open_labels(input, options.spacing)?;
-    let results = measurement.run_labels(&source.image, &options.labels, progress)?;
-    let record = |(label, mut measured): (LabelGroup, Measured)| {
-        measured.read_seconds = Some(source.read_seconds);
-        measured.truth = source.truth;
-        measured.flags.splice(0..0, source.flags.iter().cloned());
-        Record { input: input.to_owned(), label: Some(label), name: None, measured }
-    };
-    Ok(results.into_iter().map(record).collect())
+    if Phantom::is_spec(input) {
+        let (phantom, truth, flags) = open_phantom(input, options.spacing)?;
+        let streamed = measurement.run_slabs(&mut phantom.slabs(), &options.labels, progress)?;
+        return Ok(InputRecords::of(input, streamed, Duration::ZERO, truth, &flags));
+    }
+    let mut stream = VoxelStream::open(Path::new(input), ReadOptions { spacing: options.spacing })?;
+    let streamed = measurement.run_slabs(&mut stream, &options.labels, progress)?;
+    let flags: Vec<Flag> = conflict_flag(stream.header(), options.spacing).into_iter().collect();
+    Ok(InputRecords::of(input, streamed, stream.file_time(), None, &flags))
+}
+
+/// The records of an input, and how long it took to have its voxels.
+#[derive(Debug, Clone)]
+pub struct InputRecords {
+    /// A record an object.
+    pub records: Vec<Record>,
+    /// Time to get bytes from the file, s.
+    pub read_seconds: f64,
+    /// Time to decompress them and to find the labels' runs, s.
+    pub decode_seconds: f64,
+}
+
+impl InputRecords {
+    fn of(input: &str, streamed: Streamed, file: Duration, truth: Option<Truth>, flags: &[Flag]) -> Self {
+        let all = streamed.source_seconds + streamed.encode_seconds;
+        let record = |(label, mut measured): (LabelGroup, Measured)| {
+            measured.read_seconds = Some(all);
+            measured.truth = truth;
+            measured.flags.splice(0..0, flags.iter().cloned());
+            Record { input: input.to_owned(), label: Some(label), name: None, measured }
+        };
+        let read_seconds = file.as_secs_f64();
+        Self {
+            records: streamed.results.into_iter().map(record).collect(),
+            read_seconds,
+            decode_seconds: all - read_seconds,
+        }
+    }
 }
 
 /// An opened field.

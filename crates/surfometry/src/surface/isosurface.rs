@@ -3,6 +3,7 @@
 use super::mesh::{Mesh, tetrahedron_volume, triangle_area};
 use super::tile_mesh::{EdgeKey, TileMesh};
 use crate::embedding::Embedding;
+use crate::local_geometry::BAND_GROUP;
 use crate::tiling::{Block, ExactSum, IndexBox, TILE};
 use crate::volume::Grid;
 use rayon::prelude::*;
@@ -19,10 +20,16 @@ pub fn extract<E: Embedding>(embedding: &E, grid: &Grid) -> Mesh {
 }
 
 /// Where a surface's cells lie: the support of a field and one voxel around it, which is outside and closes the surface; less where
-/// the field ends.
+/// the field ends. Along x whole groups of voxels, so that voxels are grouped in the same way whatever part of an object is known.
 pub(crate) fn cell_limits<E: Embedding + ?Sized>(embedding: &E, half_width: f64) -> IndexBox {
-    embedding.available(&embedding.support(half_width).grown([1; 3]))
+    let mut limits = embedding.support(half_width).grown([1; 3]);
+    limits.lower[0] = limits.lower[0].div_euclid(GROUP) * GROUP;
+    limits.upper[0] = -(-limits.upper[0]).div_euclid(GROUP) * GROUP;
+    embedding.available(&limits)
 }
+
+/// Voxels along x that are worked on together.
+const GROUP: i64 = BAND_GROUP as i64;
 
 /// The tiles of an embedding on their own.
 struct SurfaceTiles<'a, E> {
@@ -61,7 +68,8 @@ pub(crate) fn stitched(parts: &[TileMesh], grid: &Grid) -> Mesh {
     // By tile, the numbers of its vertices in the whole; those of borrowed ones are filled in afterwards.
     let numbered = |((part, places), first): ((&TileMesh, &mut [[f64; 3]]), u32)| {
         let mut own = vec![0; part.positions.len()];
-        for (number, (place, (vertex, position))) in (first..).zip(places.iter_mut().zip(part.own_vertices())) {
+        for (number, (place, (vertex, position))) in (first..).zip(places.iter_mut().zip(part.own_vertices()))
+        {
             own[vertex] = number;
             *place = grid.affine().apply(position);
         }

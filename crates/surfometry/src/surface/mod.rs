@@ -17,14 +17,14 @@ mod vertex_geometry;
 pub(crate) use cell_interior::inside_is_joined;
 pub use curvature_summary::CurvatureSummary;
 pub use distribution::{Distribution, Histogram, Moments, QUANTILES};
-pub(crate) use isosurface::{SurfaceSums, cell_limits};
 pub use isosurface::{SurfaceSummary, extract};
-pub(crate) use tile_mesh::TileMesh;
+pub(crate) use isosurface::{SurfaceSums, cell_limits};
 pub use mesh::Mesh;
 pub(crate) use mesh::{cross, dot};
 #[cfg(feature = "pictures")]
 pub(crate) use mesh::{minus, unit};
 pub use quantity::LocalQuantity;
 pub use surface_map::Surface;
+pub(crate) use tile_mesh::TileMesh;
 pub use vertex_array::{VertexArray, VertexValues};
 pub use vertex_geometry::VertexGeometry;

@@ -41,15 +41,15 @@ impl Surface {
                 TileField::Constant(_) => Default::default(),
                 TileField::Varying(field) => {
                     let mesh = TileMesh::of(&field, tile, &limits);
-                    let positions: Vec<[f64; 3]> = mesh.own_vertices().map(|(_, position)| position).collect();
+                    let positions: Vec<[f64; 3]> =
+                        mesh.own_vertices().map(|(_, position)| position).collect();
                     let jets = scheme.jets_at(&field, &positions);
                     *memory = field.into_storage();
                     (mesh, jets.iter().map(geometry_at).collect::<Vec<_>>())
                 }
             })
         };
-        let (meshes, geometry): (Vec<TileMesh>, Vec<_>) =
-            limits.tiles(TILE).par_iter().map(part).unzip();
+        let (meshes, geometry): (Vec<TileMesh>, Vec<_>) = limits.tiles(TILE).par_iter().map(part).unzip();
         let mesh = stitched(&meshes, grid);
         drop(meshes);
         let vertices = completed(&mesh, geometry, shift_sigma.map(|_| 0.0));

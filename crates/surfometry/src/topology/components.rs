@@ -106,8 +106,7 @@ impl ComponentCounter {
         let mut current = SliceOfRuns { first_row: region.lower[1], rows: Vec::new() };
         let previous = self.previous.take();
         for y in region.lower[1]..region.upper[1] {
-            let runs =
-                if foreground { mask.runs(y, z).collect() } else { gaps(mask.runs(y, z), x0, x1) };
+            let runs = if foreground { mask.runs(y, z).collect() } else { gaps(mask.runs(y, z), x0, x1) };
             let first = self.sets.add(runs.len());
             for &(dy, in_previous_slice) in earlier {
                 let slice = if in_previous_slice { previous.as_ref() } else { Some(&current) };

@@ -57,7 +57,8 @@ fn alternating_sum(
     let along_x = |row: [u64; 2]| unite(row[0], row[1]);
     let along_y = unite(here[0], behind[0]);
     let along_z = unite(here[0], above[0]);
-    let (x_here, x_above, x_behind, x_across) = (along_x(here), along_x(above), along_x(behind), along_x(across));
+    let (x_here, x_above, x_behind, x_across) =
+        (along_x(here), along_x(above), along_x(behind), along_x(across));
     let (xy, xz) = (unite(x_here, x_behind), unite(x_here, x_above));
     let yz = unite(along_y, unite(above[0], across[0]));
     let xyz = unite(xy, unite(x_above, x_across));
@@ -114,7 +115,8 @@ mod tests {
         /// Euler number of the solid with 26-connected foreground: vertices - edges + faces - cubes of closed voxels.
         fn euler_26(&self) -> i64 {
             self.weighted(|configuration| {
-                let present = |voxels: &[usize]| i64::from(voxels.iter().any(|v| configuration >> v & 1 == 1));
+                let present =
+                    |voxels: &[usize]| i64::from(voxels.iter().any(|v| configuration >> v & 1 == 1));
                 octant_sum(present, [8, 4, 2, 1])
             })
         }

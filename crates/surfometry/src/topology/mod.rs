@@ -4,8 +4,8 @@ mod components;
 mod disjoint_sets;
 mod euler;
 
-pub use components::{Connectivity, count_components};
 use components::ComponentCounter;
+pub use components::{Connectivity, count_components};
 pub(crate) use disjoint_sets::DisjointSets;
 use euler::EulerNumbers;
 
@@ -62,12 +62,7 @@ impl TopologyCounter {
         let Self { euler, foreground, background } = self;
         rayon::join(
             || euler.add(mask, slices.clone()),
-            || {
-                rayon::join(
-                    || foreground.add(mask, slices.clone()),
-                    || background.add(mask, slices.clone()),
-                )
-            },
+            || rayon::join(|| foreground.add(mask, slices.clone()), || background.add(mask, slices.clone())),
         );
     }
 

@@ -112,7 +112,10 @@ impl LabelRuns {
             _ => codes.binary_search(&(code as usize)).is_ok(),
         };
         Mask::from_runs(self.grid, bounds, |y, z| {
-            self.row(y, z).iter().filter(|run| is_member(run.code)).map(|run| (run.start as usize, run.end as usize))
+            self.row(y, z)
+                .iter()
+                .filter(|run| is_member(run.code))
+                .map(|run| (run.start as usize, run.end as usize))
         })
     }
 }

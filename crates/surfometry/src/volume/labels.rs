@@ -114,9 +114,23 @@ impl RunEncoder {
         for_samples!(&slab.samples, values => self.push_values(values, runs))
     }
 
+    /// The labels that have occurred, by code; the first is background.
+    pub(crate) fn labels(&self) -> &[i64] {
+        &self.labels
+    }
+
+    /// The code of a label that has occurred.
+    pub(crate) fn code_of(&self, label: i64) -> Option<usize> {
+        self.code_of.get(&label).copied().filter(|&code| code != 0)
+    }
+
     pub(crate) fn check_complete(&self) -> Result<(), VolumeError> {
         let expected = self.grid.voxel_count();
-        if self.voxels == expected { Ok(()) } else { Err(VolumeError::Incomplete { found: self.voxels, expected }) }
+        if self.voxels == expected {
+            Ok(())
+        } else {
+            Err(VolumeError::Incomplete { found: self.voxels, expected })
+        }
     }
 
     /// Slices are encoded in parallel, each with a list of its own labels, and joined in their order.

@@ -18,6 +18,11 @@ pub struct Mask {
 }
 
 impl Mask {
+    /// A mask without voxels.
+    pub(crate) fn empty(grid: Grid) -> Self {
+        Self { grid, bounds: IndexBox::EMPTY, words_a_row: 0, bits: Vec::new() }
+    }
+
     /// Builds a mask from the half-open runs of its rows, ascending, in image indices; what lies outside `bounds` is left out.
     pub(crate) fn from_runs<R: Iterator<Item = (usize, usize)>>(
         grid: Grid,

@@ -16,6 +16,8 @@ pub use affine::Affine;
 pub use error::VolumeError;
 pub use field::{FieldImage, FieldValues};
 pub use grid::Grid;
+pub(crate) use label_runs::LabelRuns;
+pub(crate) use labels::RunEncoder;
 pub use labels::{LabelImage, LabelSummary};
 pub use mask::Mask;
 pub use samples::{Samples, Scalar, ScalarType};

@@ -55,14 +55,26 @@ impl LabelSelection {
     /// # Errors
     /// [`VolumeError::NoForeground`], or [`VolumeError::NoSuchLabel`] for one that does not occur.
     pub fn resolve(&self, image: &LabelImage) -> Result<Vec<LabelGroup>, VolumeError> {
-        let present = || image.summaries().iter().map(|s| s.label);
+        self.resolve_among(image.summaries().iter().map(|s| s.label))
+    }
+
+    /// The groups to measure among the labels that occur, background left out.
+    pub(crate) fn resolve_among(
+        &self,
+        present: impl Iterator<Item = i64>,
+    ) -> Result<Vec<LabelGroup>, VolumeError> {
+        let mut present: Vec<i64> = present.collect();
+        present.sort_unstable();
         let groups = match self {
-            _ if image.summaries().is_empty() => return Err(VolumeError::NoForeground),
-            Self::All => return Ok(present().map(LabelGroup::single).collect()),
+            _ if present.is_empty() => return Err(VolumeError::NoForeground),
+            Self::All => return Ok(present.into_iter().map(LabelGroup::single).collect()),
             Self::Groups(groups) => groups,
         };
-        match groups.iter().flat_map(LabelGroup::labels).find(|&&l| image.summary(l).is_none()) {
-            Some(&missing) => Err(VolumeError::NoSuchLabel { missing, present: shortened(present()) }),
+        let occurs = |label: &i64| present.binary_search(label).is_ok();
+        match groups.iter().flat_map(LabelGroup::labels).find(|&label| !occurs(label)) {
+            Some(&missing) => {
+                Err(VolumeError::NoSuchLabel { missing, present: shortened(present.into_iter()) })
+            }
             None => Ok(groups.clone()),
         }
     }

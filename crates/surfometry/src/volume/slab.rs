@@ -27,8 +27,8 @@ pub trait SlabReader {
     fn next_slab(&mut self) -> Result<Option<Slab>, Self::Error>;
 }
 
-/// Slices a slab should hold so that it stays near 4 MiB: large enough to read fast, small against any image.
+/// Slices a slab should hold so that it stays near 8 MiB: large enough to share its slices among threads, small against any image.
 pub(crate) fn slices_a_slab(dimensions: [usize; 3], bytes_a_voxel: usize) -> usize {
     let slice = dimensions[0] * dimensions[1] * bytes_a_voxel;
-    ((4 << 20) / slice.max(1)).clamp(1, dimensions[2])
+    ((8 << 20) / slice.max(1)).clamp(1, dimensions[2])
 }

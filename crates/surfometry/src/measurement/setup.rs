@@ -1,0 +1,161 @@
+//! What is decided before an object's voxels are known, and how numbers are made of what was summed over them.
+
+use super::pass::{ObjectSums, Pass};
+use super::result::{
+    GridSummary, Measured, MeshSummary, NOT_COMPUTED, PlainValues, StageSeconds, TopologySummary,
+    UncertainValues,
+};
+use super::voxels::VoxelCounts;
+use super::{EmbeddingKind, MeasureError, Measurement, Parameters};
+use crate::accuracy::{
+    CompensatedIntegrals, Evidence, Flag, FlagCode, band_variance, compensate, raise_flags,
+};
+use crate::integrals::{Band, Integrals, Quadrature, SmearedDelta};
+use crate::surface::SurfaceSummary;
+use crate::topology::{TopologyCounter, VoxelTopology};
+use crate::volume::{Grid, Mask};
+use std::ops::Range;
+use std::time::{Duration, Instant};
+
+/// The choices for one image, filled in.
+#[derive(Clone, Copy)]
+pub(super) struct Setup {
+    pub(super) measurement: Measurement,
+    pub(super) parameters: Parameters,
+    pub(super) band: Band,
+    pub(super) quadrature: Quadrature,
+    pub(super) grid: Grid,
+}
+
+/// What was summed over an object, whole or as far as its slices have come.
+#[derive(Clone, Default)]
+pub(super) struct Totals {
+    pub(super) sums: ObjectSums,
+    pub(super) topology: TopologyCounter,
+    pub(super) voxels: VoxelCounts,
+    /// Time until the integrals were known.
+    pub(super) integrated: Duration,
+    pub(super) topology_time: Duration,
+}
+
+impl Setup {
+    /// For objects that are masks.
+    pub(super) fn of_masks(measurement: &Measurement, grid: Grid) -> Result<Self, MeasureError> {
+        if measurement.embedding == EmbeddingKind::Given {
+            return Err(MeasureError::Conflict("a given embedding is a field, not a mask: use `run_field`"));
+        }
+        let parameters = Parameters::resolve(measurement, grid.spacing())?;
+        let delta = SmearedDelta::new(measurement.delta, parameters.epsilon, parameters.saturation());
+        Ok(Self {
+            measurement: *measurement,
+            parameters,
+            band: Band::new(delta, parameters.thickness_mm),
+            quadrature: Quadrature::unbounded(measurement.quadrature),
+            grid,
+        })
+    }
+
+    pub(super) fn pass(&self, with_surface: bool) -> Pass<'_> {
+        Pass {
+            band: &self.band,
+            quadrature: &self.quadrature,
+            spacing: self.grid.spacing(),
+            with_surface,
+            slices: None,
+        }
+    }
+
+    /// All numbers of an object.
+    pub(super) fn measured(&self, totals: &Totals) -> Measured {
+        let integrals = Integrals::of(&totals.sums.integrals, self.grid.spacing());
+        let surviving = Some(integrals).filter(|i| i.inside_voxels > 0);
+        let compensated = self.compensated(surviving);
+        let mesh = Some(SurfaceSummary::of_sums(&totals.sums.surface)).filter(|mesh| mesh.triangles > 0);
+        let topology = totals.topology.topology();
+        let voxels = totals.voxels.summary(&self.grid);
+        let evidence = self.evidence(surviving, compensated, mesh, &topology, voxels.volume_mm3);
+        let mut flags = self.parameter_flags(totals.voxels.touches_border(&self.grid));
+        flags.extend(raise_flags(&evidence));
+        flags.push(Flag::new(FlagCode::NotComputed, NOT_COMPUTED));
+        let compensated = compensated.filter(|_| !evidence.compensation_failed());
+        Measured {
+            plain: surviving.map_or_else(PlainValues::default, |i| PlainValues::of(&i)),
+            compensated: compensated.map_or_else(UncertainValues::default, |c| UncertainValues::of(&c)),
+            grid_noise: PlainValues::default(),
+            mesh: mesh.map_or_else(MeshSummary::default, |mesh| MeshSummary::of(&mesh)),
+            voxels,
+            topology: TopologySummary::of(&topology, mesh.as_ref()),
+            truth: None,
+            parameters: self.parameters,
+            grid: GridSummary::of(&self.grid),
+            flags,
+            read_seconds: None,
+            seconds: totals.integrated.as_secs_f64(),
+            timings: totals.timings(),
+        }
+    }
+
+    fn compensated(&self, integrals: Option<Integrals>) -> Option<CompensatedIntegrals> {
+        let sigma = self.parameters.compensable_sigma()?;
+        let integrals = integrals.filter(Integrals::has_surface)?;
+        Some(compensate(&integrals, sigma, band_variance(sigma, self.band.delta())))
+    }
+
+    fn evidence(
+        &self,
+        plain: Option<Integrals>,
+        compensated: Option<CompensatedIntegrals>,
+        mesh: Option<SurfaceSummary>,
+        topology: &VoxelTopology,
+        voxel_volume: f64,
+    ) -> Evidence {
+        Evidence {
+            spacing: self.grid.spacing(),
+            distance: self.parameters.embedding == EmbeddingKind::Distance,
+            sigma: self.parameters.sigma_mm,
+            thickness: self.parameters.thickness_mm,
+            epsilon: self.parameters.epsilon,
+            saturation: self.parameters.saturation(),
+            voxel_volume,
+            voxel_euler: topology.euler_characteristic_26,
+            compensated_volume: compensated.map(|c| c.volume),
+            plain,
+            mesh,
+        }
+    }
+
+    fn parameter_flags(&self, touches_border: bool) -> Vec<Flag> {
+        let mut flags = Vec::new();
+        let given = self.parameters.embedding == EmbeddingKind::Given;
+        if touches_border && given {
+            flags.push(Flag::new(FlagCode::SurfaceLeavesField, "the inside reaches the edge of the field, where its surface is left open: area and curvature miss that part and chi has no boundary term"));
+        } else if touches_border {
+            flags.push(Flag::new(FlagCode::TouchesBorder, "the object reaches the edge of the image and is closed there with a flat cap, which counts in volume, area and curvature"));
+        }
+        if self.parameters.compensable_sigma().is_none() {
+            flags.push(Flag::new(FlagCode::CompensationUndefined, "compensation is defined for the Gaussian embedding at level 0.5 only, so `compensated` is null"));
+        }
+        flags
+    }
+}
+
+impl Totals {
+    /// Counts the voxels and the topology of the next slices; see [`TopologyCounter::add`] for what the mask must hold.
+    pub(super) fn add_voxels(&mut self, mask: &Mask, slices: Range<i64>) {
+        let start = Instant::now();
+        self.topology.add(mask, slices.clone());
+        self.voxels.add(mask, slices);
+        self.topology_time += start.elapsed();
+    }
+
+    fn timings(&self) -> StageSeconds {
+        let times = &self.sums.times;
+        StageSeconds {
+            embed: times.embed.as_secs_f64(),
+            derive: times.derive.as_secs_f64(),
+            integrate: times.integrate.as_secs_f64(),
+            surface: times.surface.as_secs_f64(),
+            topology: self.topology_time.as_secs_f64(),
+        }
+    }
+}
