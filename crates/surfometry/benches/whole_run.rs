@@ -1,20 +1,24 @@
-//! Seconds from a decoded array of labels to numbers: `whole_run MASK.npy SIGMA THICKNESS [integrals|measure|surface] [RUNS]`.
+//! Seconds from a decoded array of labels to numbers: `whole_run MASK.npy SIGMA THICKNESS [load|integrals|measure|surface]
+//! [RUNS] [SPACING]`.
 //!
-//! The array lies in memory as a file's reader leaves it; the spacing is 1. Prints the seconds of each run, then V, A, M, chi.
+//! The array lies in memory as a file's reader leaves it. Prints a JSON object: seconds of the fastest run and of its set-up (labels, mask),
+//! V, A, M, chi, plain and compensated, and seconds by stage, summed over threads.
 //! `benches/peers/speed.py` runs it in turn with other tools.
 
+use serde_json::json;
 use std::time::Instant;
 use surfometry::Measurement;
-use surfometry::io::VoxelStream;
+use surfometry::io::{ReadOptions, VoxelStream};
 use surfometry::volume::{Grid, LabelImage, Slab, SlabReader, VolumeError};
 
 /// Slabs that lie in memory.
-struct InMemory {
+struct InMemory<'a> {
     grid: Grid,
-    slabs: std::vec::IntoIter<Slab>,
+    slabs: &'a [Slab],
+    next: usize,
 }
 
-impl SlabReader for InMemory {
+impl SlabReader for InMemory<'_> {
     type Error = VolumeError;
 
     fn grid(&self) -> &Grid {
@@ -22,7 +26,9 @@ impl SlabReader for InMemory {
     }
 
     fn next_slab(&mut self) -> Result<Option<Slab>, VolumeError> {
-        Ok(self.slabs.next())
+        // The copy stands for the reader's own work of handing a slab on.
+        self.next += 1;
+        Ok(self.slabs.get(self.next - 1).cloned())
     }
 }
 
@@ -30,46 +36,61 @@ fn main() {
     // `cargo bench` adds an option of its own.
     let arguments: Vec<String> = std::env::args().skip(1).filter(|a| !a.starts_with("--")).collect();
     let [path, sigma, thickness, rest @ ..] = &arguments[..] else {
-        println!("usage: whole_run MASK.npy SIGMA THICKNESS [integrals|measure|surface] [RUNS]");
+        println!(
+            "usage: whole_run MASK.npy SIGMA THICKNESS [load|integrals|measure|surface] [RUNS] [SPACING]"
+        );
         return;
     };
     let number = |text: &String| text.parse::<f64>().expect("a number");
     let measurement = Measurement::default().sigma_mm(number(sigma)).thickness_mm(number(thickness));
     let what = rest.first().map_or("integrals", String::as_str);
     let runs = rest.get(1).map_or(1, |runs| runs.parse().expect("a number of runs"));
-    let options = surfometry::io::ReadOptions { spacing: Some([1.0; 3]) };
+    let spacing = rest.get(2).map_or(1.0, number);
+    let options = ReadOptions { spacing: Some([spacing; 3]) };
     let mut stream = VoxelStream::open(path.as_ref(), options).expect("a readable mask");
     let mut slabs = Vec::new();
     while let Some(slab) = stream.next_slab().expect("a readable mask") {
         slabs.push(slab);
     }
-    for _ in 0..runs {
-        let mut reader = InMemory { grid: *stream.grid(), slabs: slabs.clone().into_iter() };
-        let start = Instant::now();
-        let image = LabelImage::from_slabs(&mut reader).expect("labels");
-        let mask = image.mask(1);
-        let setup = start.elapsed().as_secs_f64();
-        let stopped;
-        let object = measurement.prepare(&mask).expect("an object");
-        let result = match what {
-            "integrals" => {
-                let i = object.integrals().expect("a surface");
-                stopped = start.elapsed();
-                [i.volume, i.surface.area, i.surface.mean, i.surface.gaussian / std::f64::consts::TAU]
-            }
-            "measure" => {
-                let m = object.measure().plain;
-                stopped = start.elapsed();
-                [m.volume_mm3, m.surface_area_mm2, m.total_mean_curvature_mm, m.euler_characteristic]
-                    .map(Option::unwrap_or_default)
-            }
-            _ => {
-                let surface = object.surface();
-                stopped = start.elapsed();
-                let counts = [surface.vertices.len(), surface.mesh.triangles.len()].map(|n| n as f64);
-                [surface.mesh.volume(), surface.mesh.area(), counts[0], counts[1]]
-            }
-        };
-        println!("{} {setup} {result:?}", stopped.as_secs_f64());
+    if what == "load" {
+        println!("{} slabs", slabs.len());
+        return;
     }
+    let mut results: Vec<(f64, serde_json::Value)> = (0..runs)
+        .map(|_| {
+            let mut reader = InMemory { grid: *stream.grid(), slabs: &slabs, next: 0 };
+            run(&measurement, &mut reader, what)
+        })
+        .collect();
+    results.sort_by(|a, b| a.0.total_cmp(&b.0));
+    println!("{}", results[0].1);
+}
+
+fn run(measurement: &Measurement, reader: &mut InMemory, what: &str) -> (f64, serde_json::Value) {
+    let start = Instant::now();
+    let image = LabelImage::from_slabs(reader).expect("labels");
+    let mask = image.mask(1);
+    let setup = start.elapsed().as_secs_f64();
+    let object = measurement.prepare(&mask).expect("an object");
+    let (seconds, found) = match what {
+        "integrals" => {
+            let (plain, compensated) = object.integrals();
+            (start.elapsed(), json!({"plain": plain, "compensated": compensated.values}))
+        }
+        "measure" => {
+            let m = object.measure();
+            let t = m.timings;
+            let stages = json!({
+                "embed": t.embed, "derive": t.derive, "integrate": t.integrate, "surface": t.surface, "topology": t.topology,
+            });
+            (start.elapsed(), json!({"plain": m.plain, "stages": stages}))
+        }
+        _ => {
+            let surface = object.surface();
+            let seconds = start.elapsed();
+            (seconds, json!({"triangles": surface.mesh.triangles.len(), "A": surface.mesh.area()}))
+        }
+    };
+    let seconds = seconds.as_secs_f64();
+    (seconds, json!({"seconds": seconds, "setup": setup, "found": found}))
 }

@@ -2,8 +2,8 @@
 
 use super::scheme::Scheme;
 use super::setup::{Setup, Totals};
-use super::{EmbeddingKind, MeasureError, Measured, Measurement, Parameters};
-use crate::integrals::{Band, Integrals, Quadrature, SmearedDelta};
+use super::{EmbeddingKind, MeasureError, Measured, Measurement, Parameters, PlainValues, UncertainValues};
+use crate::integrals::{Band, Quadrature, SmearedDelta};
 use crate::local_geometry::{FiniteDifferences, MINIMUM_POINTS};
 use crate::surface::Surface;
 use crate::tiling::IndexBox;
@@ -111,10 +111,10 @@ impl Object<'_> {
             .unwrap_or_default()
     }
 
-    /// The integrals alone, without mesh, topology and flags; `None` where the blur is known to leave nothing.
-    pub fn integrals(&self) -> Option<Integrals> {
-        let sums = self.scheme.as_ref()?.sums(&self.setup.pass(false));
-        Some(Integrals::of(&sums.integrals, self.grid().spacing()))
+    /// The integrals alone, plain and compensated, without mesh, topology and flags.
+    pub fn integrals(&self) -> (PlainValues, UncertainValues) {
+        let sums = self.scheme.as_ref().map(|s| s.sums(&self.setup.pass(false))).unwrap_or_default();
+        self.setup.values(&sums)
     }
 
     /// All numbers.

@@ -65,6 +65,17 @@ impl Setup {
         }
     }
 
+    /// Plain and compensated integrals.
+    pub(super) fn values(&self, sums: &ObjectSums) -> (PlainValues, UncertainValues) {
+        let integrals = Integrals::of(&sums.integrals, self.grid.spacing());
+        let surviving = Some(integrals).filter(|i| i.inside_voxels > 0);
+        let compensated = self.compensated(surviving);
+        (
+            surviving.map_or_else(PlainValues::default, |i| PlainValues::of(&i)),
+            compensated.map_or_else(UncertainValues::default, |c| UncertainValues::of(&c)),
+        )
+    }
+
     /// All numbers of an object.
     pub(super) fn measured(&self, totals: &Totals) -> Measured {
         let integrals = Integrals::of(&totals.sums.integrals, self.grid.spacing());
