@@ -26,15 +26,15 @@ def rotation(degrees):
 
 
 def torus(spacing=0.5, major=30.0, minor=10.0):
-    """A rotated torus off the grid, in the smallest box with five voxels around it."""
-    turn = rotation([12, 17, 40])
+    """A torus off the grid, turned about its axis, in the smallest box with two voxels around it."""
+    turn = rotation([0, 0, 17])
     half = major + minor + 5 * spacing
     axes = np.arange(-half, half, spacing) + 0.17 * spacing
     z, y, x = np.meshgrid(axes, axes, axes, indexing="ij")
     points = np.stack([x, y, z], axis=-1) @ turn
     inside = (np.hypot(points[..., 0], points[..., 1]) - major) ** 2 + points[..., 2] ** 2 < minor**2
     kept = [np.flatnonzero(inside.any(axis=tuple(a for a in range(3) if a != axis))) for axis in range(3)]
-    return np.pad(inside[tuple(slice(k[0], k[-1] + 1) for k in kept)], 5)
+    return np.pad(inside[tuple(slice(k[0], k[-1] + 1) for k in kept)], 2)
 
 
 def ball_slice(dimensions, z, radius=40.0):

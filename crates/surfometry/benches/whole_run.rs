@@ -9,28 +9,7 @@ use serde_json::json;
 use std::time::Instant;
 use surfometry::Measurement;
 use surfometry::io::{ReadOptions, VoxelStream};
-use surfometry::volume::{Grid, LabelImage, Slab, SlabReader, VolumeError};
-
-/// Slabs that lie in memory.
-struct InMemory<'a> {
-    grid: Grid,
-    slabs: &'a [Slab],
-    next: usize,
-}
-
-impl SlabReader for InMemory<'_> {
-    type Error = VolumeError;
-
-    fn grid(&self) -> &Grid {
-        &self.grid
-    }
-
-    fn next_slab(&mut self) -> Result<Option<Slab>, VolumeError> {
-        // The copy stands for the reader's own work of handing a slab on.
-        self.next += 1;
-        Ok(self.slabs.get(self.next - 1).cloned())
-    }
-}
+use surfometry::volume::{Grid, LabelImage, Samples, SlabReader};
 
 fn main() {
     // `cargo bench` adds an option of its own.
@@ -48,27 +27,24 @@ fn main() {
     let spacing = rest.get(2).map_or(1.0, number);
     let options = ReadOptions { spacing: Some([spacing; 3]) };
     let mut stream = VoxelStream::open(path.as_ref(), options).expect("a readable mask");
-    let mut slabs = Vec::new();
+    let mut voxels: Vec<u8> = Vec::with_capacity(stream.grid().voxel_count());
     while let Some(slab) = stream.next_slab().expect("a readable mask") {
-        slabs.push(slab);
+        let Samples::U8(part) = slab.samples else { panic!("a mask of bytes") };
+        voxels.extend(part);
     }
     if what == "load" {
-        println!("{} slabs", slabs.len());
+        println!("{} voxels", voxels.len());
         return;
     }
-    let mut results: Vec<(f64, serde_json::Value)> = (0..runs)
-        .map(|_| {
-            let mut reader = InMemory { grid: *stream.grid(), slabs: &slabs, next: 0 };
-            run(&measurement, &mut reader, what)
-        })
-        .collect();
+    let grid = *stream.grid();
+    let mut results: Vec<_> = (0..runs).map(|_| run(&measurement, grid, &voxels, what)).collect();
     results.sort_by(|a, b| a.0.total_cmp(&b.0));
     println!("{}", results[0].1);
 }
 
-fn run(measurement: &Measurement, reader: &mut InMemory, what: &str) -> (f64, serde_json::Value) {
+fn run(measurement: &Measurement, grid: Grid, voxels: &[u8], what: &str) -> (f64, serde_json::Value) {
     let start = Instant::now();
-    let image = LabelImage::from_slabs(reader).expect("labels");
+    let image = LabelImage::from_voxels(grid, voxels).expect("labels");
     let mask = image.mask(1);
     let setup = start.elapsed().as_secs_f64();
     let object = measurement.prepare(&mask).expect("an object");

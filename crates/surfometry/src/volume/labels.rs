@@ -44,11 +44,17 @@ impl LabelImage {
         while let Some(slab) = reader.next_slab()? {
             encoder.push(&slab, &mut runs)?;
         }
-        encoder.check_complete()?;
-        let RunEncoder { grid, labels, mut summaries, .. } = encoder;
-        summaries.remove(0);
-        summaries.sort_by_key(|s| s.label);
-        Ok(Self { grid, labels, runs, summaries })
+        Ok(encoder.finish(runs)?)
+    }
+
+    /// Of an array in memory, x fastest, of as many voxels as the grid has.
+    ///
+    /// # Errors
+    /// [`VolumeError`] for voxels that are no labels, or too few of them.
+    pub fn from_voxels<T: Scalar>(grid: Grid, voxels: &[T]) -> Result<Self, VolumeError> {
+        let (mut encoder, mut runs) = (RunEncoder::new(grid), LabelRuns::new(grid));
+        encoder.push_values(voxels, &mut runs)?;
+        encoder.finish(runs)
     }
 
     /// The image's lattice.
@@ -107,6 +113,14 @@ impl RunEncoder {
             summaries: vec![LabelSummary::empty(0, 0)],
             voxels: 0,
         }
+    }
+
+    fn finish(self, runs: LabelRuns) -> Result<LabelImage, VolumeError> {
+        self.check_complete()?;
+        let Self { grid, labels, mut summaries, .. } = self;
+        summaries.remove(0);
+        summaries.sort_by_key(|s| s.label);
+        Ok(LabelImage { grid, labels, runs, summaries })
     }
 
     /// Adds a slab's slices to those that are there.
