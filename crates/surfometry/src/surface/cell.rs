@@ -13,6 +13,17 @@ pub(crate) const fn edge_base(edge: u8) -> [usize; 3] {
     base
 }
 
+/// [`edge_base`] of all edges.
+pub(crate) const EDGE_BASES: [[usize; 3]; 12] = {
+    let mut bases = [[0; 3]; 12];
+    let mut edge = 0;
+    while edge < 12 {
+        bases[edge] = edge_base(edge as u8);
+        edge += 1;
+    }
+    bases
+};
+
 /// The two corners of an edge.
 pub(crate) const fn edge_corners(edge: u8) -> [usize; 2] {
     let [x, y, z] = edge_base(edge);
