@@ -105,10 +105,16 @@ fn point_jet<S: Simd>(simd: S, field: &Block<f32>, axes: &[(i64, Weights<NODES_B
         // A vertex lies at a voxel along two axes, whose value is that voxel's alone: then a slice beside it only adds to derivatives across
         // slices, and a row beside it to those across rows.
         let beside = w0 == 0.0;
+        if beside && w1 == 0.0 && w2 == 0.0 {
+            continue;
+        }
         let mut slice = [zero; 3];
         for j in 0..NODES_BETWEEN {
-            let row = x_row(simd, &field.values()[first + k * nx * ny + j * nx..]);
             let [v0, v1, v2] = [wy[0][j] as f32, wy[1][j] as f32, wy[2][j] as f32];
+            if v0 == 0.0 && v1 == 0.0 && (beside || v2 == 0.0) {
+                continue;
+            }
+            let row = x_row(simd, &field.values()[first + k * nx * ny + j * nx..]);
             if v0 != 0.0 {
                 add(&mut slice[0], row, v0);
             }

@@ -166,13 +166,23 @@ impl PointWeights {
     /// As [`CentralWeights::new`].
     pub(super) fn new(sigma: f64, spacing: f64) -> Self {
         let fit = Fit::<NODES_BETWEEN>::new(sigma / spacing, -(SIDE as i64));
+        // At a voxel the weights are those of its band: symmetric, without the farthest node, the value being the voxel's own.
+        let central = Fit::<NODES>::new(sigma / spacing, -(SIDE as i64)).weights(0.0);
+        let at_voxel = |number: usize| {
+            let weight = |order: usize, k: usize| match (order, k.checked_sub(number)) {
+                (_, None | Some(NODES)) => 0.0,
+                (0, Some(node)) => f64::from(u8::from(node == SIDE)),
+                (1, Some(SIDE)) => 0.0,
+                (order, Some(node)) => central[order][node],
+            };
+            std::array::from_fn(|order| std::array::from_fn(|k| weight(order, k)))
+        };
         let scaled = |step: usize| {
-            let mut weights = fit.weights(step as f64 / STEPS as f64);
-            if step % STEPS == 0 {
-                // At a voxel, its own value without the fit's rounding.
-                let voxel = SIDE + step / STEPS;
-                weights[0] = std::array::from_fn(|k| f64::from(u8::from(k == voxel)));
-            }
+            let weights: Weights<NODES_BETWEEN> = match step {
+                0 => at_voxel(0),
+                STEPS => at_voxel(1),
+                _ => fit.weights(step as f64 / STEPS as f64),
+            };
             let scale = [1.0, spacing, spacing * spacing];
             std::array::from_fn(|order| weights[order].map(|w| w / scale[order]))
         };
