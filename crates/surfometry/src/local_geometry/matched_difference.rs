@@ -28,8 +28,12 @@ const REACH: i64 = SIDE as i64 + 1;
 impl<'a> MatchedDifferences<'a> {
     /// Differences of an embedding.
     pub fn new(embedding: GaussianEmbedding<'a>) -> Self {
-        let (sigma, spacing) = (embedding.sigma(), embedding.mask().grid().spacing().mm());
-        let weights = spacing.map(|h| CentralWeights::new(sigma, h));
+        let weights = matched_weights(embedding.sigma(), embedding.mask().grid().spacing().mm());
+        Self::with_weights(embedding, weights)
+    }
+
+    /// The same with weights that are known already: fitting them takes longer than measuring a small object.
+    pub(crate) fn with_weights(embedding: GaussianEmbedding<'a>, weights: [CentralWeights; 3]) -> Self {
         Self { embedding, weights, between: OnceLock::new() }
     }
 
@@ -39,6 +43,19 @@ impl<'a> MatchedDifferences<'a> {
         let [low, high] = VALID;
         spacing.iter().all(|h| (low - 1e-3..=high + 1e-3).contains(&(sigma / h)))
     }
+}
+
+/// Weights along the three axes of a grid, for a blur of sigma.
+pub(crate) fn matched_weights(sigma: f64, spacing: [f64; 3]) -> [CentralWeights; 3] {
+    let mut weights = [CentralWeights::new(sigma, spacing[0]); 3];
+    for axis in 1..3 {
+        if spacing[axis] != spacing[axis - 1] {
+            weights[axis] = CentralWeights::new(sigma, spacing[axis]);
+        } else {
+            weights[axis] = weights[axis - 1];
+        }
+    }
+    weights
 }
 
 impl<'a> Differentiation for MatchedDifferences<'a> {

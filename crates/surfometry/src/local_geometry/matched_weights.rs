@@ -138,7 +138,7 @@ fn solved(mut system: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
 
 /// Differences at voxels: the antisymmetric and the symmetric half, from the nearest voxel outward, in f32.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct CentralWeights {
+pub(crate) struct CentralWeights {
     pub(super) first: [f32; SIDE],
     /// The centre's weight is minus twice their sum, so that a constant has exactly no derivative.
     pub(super) second: [f32; SIDE],

@@ -17,6 +17,8 @@ pub use finite_difference::FiniteDifferences;
 pub use gaussian_derivatives::GaussianDerivatives;
 pub use jet::Jet;
 pub use matched_difference::MatchedDifferences;
+pub(crate) use matched_difference::matched_weights;
+pub(crate) use matched_weights::CentralWeights;
 pub use stencil::MINIMUM_POINTS;
 
 use crate::embedding::Embedding;

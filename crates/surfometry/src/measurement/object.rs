@@ -67,6 +67,7 @@ impl Measurement {
             band: Band::new(delta, parameters.thickness_mm),
             quadrature: Quadrature::bounded(measurement.quadrature, grid.dimensions()),
             grid: *grid,
+            weights: None,
         };
         let scheme = Some(Scheme::Given(differences));
         Ok(Object { mask: Cow::Owned(mask), setup, scheme, preparation: start.elapsed() })

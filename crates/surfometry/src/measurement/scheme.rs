@@ -68,7 +68,10 @@ impl<'a> Scheme<'a> {
         let embedding = GaussianEmbedding::new(mask, sigma, setup.measurement.level, truncation_of(setup));
         match parameters.derivatives {
             Derivatives::Gaussian => Self::Gaussian(GaussianDerivatives::new(embedding)),
-            Derivatives::Matched => Self::Matched(MatchedDifferences::new(embedding)),
+            Derivatives::Matched => Self::Matched(match setup.weights {
+                Some(weights) => MatchedDifferences::with_weights(embedding, weights),
+                None => MatchedDifferences::new(embedding),
+            }),
             Derivatives::FiniteDifference => {
                 Self::GaussianDifferences(FiniteDifferences::new(embedding, spacing))
             }

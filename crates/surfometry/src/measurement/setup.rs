@@ -6,11 +6,12 @@ use super::result::{
     UncertainValues,
 };
 use super::voxels::VoxelCounts;
-use super::{EmbeddingKind, MeasureError, Measurement, Parameters};
+use super::{Derivatives, EmbeddingKind, MeasureError, Measurement, Parameters};
 use crate::accuracy::{
     CompensatedIntegrals, Evidence, Flag, FlagCode, band_variance, compensate, raise_flags,
 };
 use crate::integrals::{Band, Integrals, Quadrature, SmearedDelta};
+use crate::local_geometry::{CentralWeights, matched_weights};
 use crate::surface::SurfaceSummary;
 use crate::topology::{TopologyCounter, VoxelTopology};
 use crate::volume::{Grid, Mask};
@@ -25,6 +26,8 @@ pub(super) struct Setup {
     pub(super) band: Band,
     pub(super) quadrature: Quadrature,
     pub(super) grid: Grid,
+    /// For matched differences.
+    pub(super) weights: Option<[CentralWeights; 3]>,
 }
 
 /// What was summed over an object, whole or as far as its slices have come.
@@ -52,6 +55,10 @@ impl Setup {
             band: Band::new(delta, parameters.thickness_mm),
             quadrature: Quadrature::unbounded(measurement.quadrature),
             grid,
+            weights: parameters
+                .sigma_mm
+                .filter(|_| parameters.derivatives == Derivatives::Matched)
+                .map(|sigma| matched_weights(sigma, grid.spacing().mm())),
         })
     }
 

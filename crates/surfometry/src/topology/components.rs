@@ -52,6 +52,8 @@ impl SliceOfRuns {
     }
 }
 
+/// Slices after which sets that can grow no more are forgotten.
+const SLICES_REMEMBERED: i64 = 8;
 /// Number of the background's set that everything beyond the object's box belongs to.
 const OUTSIDE: usize = 0;
 
@@ -74,6 +76,9 @@ impl ComponentCounter {
         }
         for z in inside.clone() {
             self.add_slice(mask, z, &box_of_runs);
+            if z % SLICES_REMEMBERED == 0 {
+                self.compact();
+            }
         }
         if inside.end < slices.end {
             self.end_object();

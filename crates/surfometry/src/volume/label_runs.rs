@@ -16,36 +16,84 @@ pub(crate) struct Run {
 /// The runs of one slice, background left out.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct SliceRuns {
-    runs: Vec<Run>,
+    /// First voxel and one past the last.
+    spans: Vec<[u32; 2]>,
+    codes: Codes,
     /// By row, one past its last run.
     ends: Vec<u32>,
 }
 
+/// Codes of a slice's runs: in most slices of a mask they are all the same.
+#[derive(Debug, Clone)]
+enum Codes {
+    Same(u32),
+    Each(Vec<u32>),
+}
+
+impl Default for Codes {
+    fn default() -> Self {
+        Self::Same(0)
+    }
+}
+
 impl SliceRuns {
     pub(crate) fn push(&mut self, run: Run) {
-        self.runs.push(run);
+        match &mut self.codes {
+            Codes::Same(code) if self.spans.is_empty() => *code = run.code,
+            Codes::Same(code) if *code == run.code => {}
+            Codes::Same(code) => {
+                let mut codes = vec![*code; self.spans.len()];
+                codes.push(run.code);
+                self.codes = Codes::Each(codes);
+            }
+            Codes::Each(codes) => codes.push(run.code),
+        }
+        self.spans.push([run.start, run.end]);
     }
 
     /// Ends the row to which runs were pushed.
     pub(crate) fn end_row(&mut self) {
-        self.ends.push(u32::try_from(self.runs.len()).expect("a slice has fewer than 2^32 runs"));
+        self.ends.push(u32::try_from(self.spans.len()).expect("a slice has fewer than 2^32 runs"));
     }
 
     /// Puts other codes in place of those that are there.
     pub(crate) fn recode(&mut self, codes: &[u32]) {
-        if codes.iter().enumerate().any(|(old, new)| old != *new as usize) {
-            self.runs.iter_mut().for_each(|run| run.code = codes[run.code as usize]);
+        match &mut self.codes {
+            Codes::Same(code) => *code = codes[*code as usize],
+            Codes::Each(each) => each.iter_mut().for_each(|code| *code = codes[*code as usize]),
         }
     }
 
     /// Gives back the memory that no run uses.
     pub(crate) fn shrink(&mut self) {
-        self.runs.shrink_to_fit();
+        self.spans.shrink_to_fit();
+        if let Codes::Each(codes) = &mut self.codes {
+            codes.shrink_to_fit();
+        }
     }
 
-    fn row(&self, y: usize) -> &[Run] {
-        let start = y.checked_sub(1).map_or(0, |before| self.ends[before] as usize);
-        &self.runs[start..self.ends[y] as usize]
+    fn place(&self, y: usize) -> std::ops::Range<usize> {
+        y.checked_sub(1).map_or(0, |before| self.ends[before] as usize)..self.ends[y] as usize
+    }
+
+    fn run(&self, number: usize) -> Run {
+        let [start, end] = self.spans[number];
+        let code = match &self.codes {
+            Codes::Same(code) => *code,
+            Codes::Each(codes) => codes[number],
+        };
+        Run { start, end, code }
+    }
+
+    fn row(&self, y: usize) -> impl Iterator<Item = Run> + '_ {
+        self.place(y).map(|number| self.run(number))
+    }
+
+    fn code_at(&self, x: usize, y: usize) -> u32 {
+        let place = self.place(y);
+        let after = place.start + self.spans[place.clone()].partition_point(|span| span[0] as usize <= x);
+        let before = (place.start..after).next_back().map(|number| self.run(number));
+        before.filter(|run| x < run.end as usize).map_or(0, |run| run.code)
     }
 }
 
@@ -80,15 +128,13 @@ impl LabelRuns {
         self.first_slice + self.slices.len()
     }
 
-    fn row(&self, y: usize, z: usize) -> &[Run] {
-        self.slices[z - self.first_slice].row(y)
+    fn slice(&self, z: usize) -> &SliceRuns {
+        &self.slices[z - self.first_slice]
     }
 
     /// Code of the label at an index, 0 for background.
     pub(crate) fn code_at(&self, [x, y, z]: [usize; 3]) -> usize {
-        let row = self.row(y, z);
-        let after = row.partition_point(|run| run.start as usize <= x);
-        row[..after].last().filter(|run| x < run.end as usize).map_or(0, |run| run.code as usize)
+        self.slice(z).code_at(x, y) as usize
     }
 
     /// The box around the voxels of each label, by code, in the slices that are there.
@@ -112,8 +158,8 @@ impl LabelRuns {
             _ => codes.binary_search(&(code as usize)).is_ok(),
         };
         Mask::from_runs(self.grid, bounds, |y, z| {
-            self.row(y, z)
-                .iter()
+            self.slice(z)
+                .row(y)
                 .filter(|run| is_member(run.code))
                 .map(|run| (run.start as usize, run.end as usize))
         })

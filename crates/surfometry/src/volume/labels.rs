@@ -10,8 +10,8 @@ use std::collections::HashMap;
 
 /// A label image: each voxel holds a whole number, 0 being background.
 ///
-/// Stored as runs of one label along x: 12 bytes a run, whatever type of voxel the file has, so that memory follows the objects'
-/// surfaces (a gyroid of period 64 voxels takes 0.15 bytes a voxel; noise, the worst case, 6).
+/// Stored as runs of one label along x, of 8 bytes (12 in slices of several labels), whatever type of voxel the file has, so that memory
+/// follows the objects' surfaces: a gyroid of period 64 voxels takes 0.1 bytes a voxel; noise, the worst case, 6.
 #[derive(Debug, Clone)]
 pub struct LabelImage {
     grid: Grid,
