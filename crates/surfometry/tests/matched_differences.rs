@@ -5,13 +5,16 @@ mod common;
 use common::{phantom, poses};
 use surfometry::Measurement;
 use surfometry::embedding::{Embedding, GaussianEmbedding, TRUNCATION};
+use surfometry::integrals::{
+    Band, Integrals, Quadrature, QuadratureRule, SmearedDelta, Smearing, integrate_boxes,
+};
 use surfometry::local_geometry::{
     BandVoxel, Curvature, Differentiation, GaussianDerivatives, Jet, MatchedDifferences,
 };
 use surfometry::measurement::{Derivatives, PlainValues};
 use surfometry::phantoms::{Ellipsoid, Torus};
 use surfometry::surface::extract;
-use surfometry::tiling::TILE;
+use surfometry::tiling::{IndexBox, TILE};
 use surfometry::volume::Mask;
 
 fn torus(spacing: [f64; 3]) -> Vec<Mask> {
@@ -118,4 +121,25 @@ fn chosen_where_they_hold() {
     assert_eq!(chosen(4.9), Derivatives::Gaussian);
     let asked = Measurement::default().sigma_mm(1.2).derivatives(Derivatives::Matched);
     assert!(asked.run(&mask).unwrap_err().to_string().contains("1.75 to 8 voxels"));
+}
+
+/// Tiles, and what they skip because the band cannot reach it, change nothing: the sums are those of one box without tiles, up to the
+/// order in which they are added.
+#[test]
+fn tiles_are_the_whole() {
+    let mask = &torus([0.5, 0.4, 0.6])[1];
+    let scheme = MatchedDifferences::new(GaussianEmbedding::new(mask, 1.1, 0.5, TRUNCATION));
+    let band = Band::new(SmearedDelta::new(Smearing::Sine, 0.24, 0.5), 1.4);
+    let sum = Quadrature::unbounded(QuadratureRule::Sum);
+    let support = scheme.embedding().support(0.24);
+    let spacing = mask.grid().spacing();
+    let of = |boxes: &[IndexBox]| Integrals::of(&integrate_boxes(&scheme, boxes, &band, &sum), spacing);
+    let (tiled, whole) = (of(&support.tiles(TILE)), of(&[support]));
+    assert!(support.tiles(TILE).len() > 8);
+    assert_eq!((tiled.band_voxels, tiled.inside_voxels), (whole.band_voxels, whole.inside_voxels));
+    let near = |a: f64, b: f64| assert!((a / b - 1.0).abs() < 1e-11, "{a} {b}");
+    near(tiled.volume, whole.volume);
+    near(tiled.surface.area, whole.surface.area);
+    near(tiled.surface.mean, whole.surface.mean);
+    near(tiled.surface.mean_squared, whole.surface.mean_squared);
 }

@@ -4,7 +4,7 @@ mod common;
 
 use common::{phantom, poses};
 use surfometry::Measurement;
-use surfometry::measurement::{Derivatives, EmbeddingKind, Measured};
+use surfometry::measurement::{Derivatives, EmbeddingKind, Measured, StageSeconds};
 use surfometry::phantoms::Genus;
 use surfometry::volume::{
     Grid, LabelGroup, LabelImage, LabelSelection, Samples, Slab, SlabReader, VolumeError,
@@ -31,7 +31,8 @@ impl SlabReader for InSlabs<'_> {
         let voxels = range.clone().flat_map(|z| (0..ny).map(move |y| (y, z)));
         let row = |(y, z)| (0..nx).map(move |x| [x, y, z]);
         let values: Vec<i16> = voxels.flat_map(row).map(|index| self.image.get(index) as i16).collect();
-        Ok((!range.is_empty()).then(|| Slab { slices: range, samples: Samples::I16(values) }))
+        let more = !range.is_empty();
+        Ok(more.then_some(Slab { slices: range, samples: Samples::I16(values) }))
     }
 }
 
@@ -74,7 +75,7 @@ fn without_times(results: &[(LabelGroup, Measured)]) -> Vec<String> {
     let text = |(group, measured): &(LabelGroup, Measured)| {
         let mut measured = measured.clone();
         measured.seconds = 0.0;
-        measured.timings = Default::default();
+        measured.timings = StageSeconds::default();
         // Debug prints every digit of an f64.
         format!("{group} {measured:?}")
     };

@@ -107,8 +107,9 @@ impl Blur {
             let count = BATCH.min(nz - first);
             // Slice number n of the halo and the box lies in the ring at n modulo its length, beside those of the same row.
             for number in made..first + count + halo {
-                let z = region.lower[2] - (self.z.len() - 1) as i64 + number as i64;
-                self.x_pass(simd, mask, region, nx, z, edges, rows);
+                let radii = [0, self.y.len() as i64 - 1, self.z.len() as i64 - 1 - number as i64];
+                let first = std::array::from_fn(|a| region.lower[a] - radii[a]);
+                self.x_pass(simd, mask, first, edges, rows);
                 common_kinds(kinds, (0..self.y.len() * 2 - 1).map(|offset| &rows.kinds[offset..]));
                 let slot = number % length;
                 for y in 0..ny {
@@ -119,8 +120,8 @@ impl Blur {
                     let (first, others) = ring.values[(y * length + slot) * nx..].split_at_mut(nx);
                     let second = others.get_mut((length - 1) * nx..).and_then(|rest| rest.get_mut(..nx));
                     let pair_kinds = [kinds[y], kinds.get(y + 1).copied().unwrap_or(ZERO)];
-                    let from = &rows.values[y * nx..];
-                    convolve(simd, &self.y, from, row_starts, pair_kinds, [first, second.unwrap_or(&mut [])]);
+                    let terms = Terms { taps: &self.y, values: &rows.values[y * nx..], starts: row_starts };
+                    convolve(simd, terms, pair_kinds, [first, second.unwrap_or(&mut [])]);
                 }
             }
             made = first + count + halo;
@@ -139,7 +140,8 @@ impl Blur {
                     let pair_kinds = [kind_of(slice), kind_of(slice + 1)];
                     out.kinds[y * BATCH + slice..][..2].copy_from_slice(&pair_kinds);
                     let (first, second) = rows.split_at_mut(nx);
-                    convolve(simd, &self.z, slices, &slice_starts[slice..], pair_kinds, [first, second]);
+                    let terms = Terms { taps: &self.z, values: slices, starts: &slice_starts[slice..] };
+                    convolve(simd, terms, pair_kinds, [first, second]);
                 }
             }
             let slices = &mut phi[first * ny * row_length..][..count * ny * row_length];
@@ -152,23 +154,19 @@ impl Blur {
         }
     }
 
-    /// Slice z convolved along x, from the row that lies the radius below the box's to the one that lies it above.
+    /// Rows of slice z convolved along x, from the one at y0 on, each from x0 on.
     #[inline(always)]
     fn x_pass<S: Simd>(
         &self,
         simd: S,
         mask: &Mask,
-        region: &IndexBox,
-        nx: usize,
-        z: i64,
+        [x0, y0, z]: [i64; 3],
         edges: &mut Vec<i64>,
         rows: &mut Rows,
     ) {
-        let radius = (self.y.len() - 1) as i64;
-        let (x0, x1) = (region.lower[0], region.lower[0] + nx as i64);
-        let reach = self.x.radius;
-        let ys = region.lower[1] - radius..region.upper[1] + radius;
-        for ((y, row), kind) in ys.zip(rows.values.chunks_exact_mut(nx)).zip(&mut rows.kinds) {
+        let nx = rows.values.len() / rows.kinds.len();
+        let (x1, reach) = (x0 + nx as i64, self.x.radius);
+        for ((y, row), kind) in (y0..).zip(rows.values.chunks_exact_mut(nx)).zip(&mut rows.kinds) {
             let mut runs = mask.runs_within(y, z, (x0 - reach, x1 + reach)).peekable();
             *kind = match runs.peek() {
                 None => ZERO,
@@ -180,7 +178,7 @@ impl Blur {
                 continue;
             }
             edges.clear();
-            while let Some((start, end)) = runs.next() {
+            for (start, end) in runs {
                 edges.extend([start - x0, end - x0]);
             }
             self.x.convolve(simd, edges, row);
@@ -221,17 +219,32 @@ fn common_kind(mut neighbours: impl Iterator<Item = Kind>) -> Kind {
     if first == MIXED { MIXED } else { neighbours.fold(first, |common, kind| common & kind) }
 }
 
-/// Two rows as sums of taps times the rows that begin at `starts`, from the farthest before to the farthest behind; those of the second
-/// begin one later. Rows that are known to be constant are filled.
+/// What a row is the sum of: taps times the rows that begin at `starts`, from the farthest before to the farthest behind.
+#[derive(Clone, Copy)]
+struct Terms<'a> {
+    /// From the centre outward.
+    taps: &'a [f32],
+    values: &'a [f32],
+    starts: &'a [usize],
+}
+
+impl<'a> Terms<'a> {
+    /// Those of the next row.
+    #[inline(always)]
+    fn next(self) -> Self {
+        Self { starts: &self.starts[1..], ..self }
+    }
+
+    /// `N` groups of lanes of a row, from `from` on.
+    #[inline(always)]
+    fn piece<const N: usize>(self, row: usize, from: usize) -> &'a [f32] {
+        &self.values[self.starts[row] + from..][..N * LANES]
+    }
+}
+
+/// Two neighbouring rows. Those that are known to be constant are filled.
 #[inline(always)]
-fn convolve<S: Simd>(
-    simd: S,
-    taps: &[f32],
-    values: &[f32],
-    starts: &[usize],
-    kinds: [Kind; 2],
-    [first, second]: [&mut [f32]; 2],
-) {
+fn convolve<S: Simd>(simd: S, terms: Terms<'_>, kinds: [Kind; 2], [first, second]: [&mut [f32]; 2]) {
     let length = first.len();
     let both = kinds == [MIXED; 2];
     if let Some(value) = constant(kinds[0]) {
@@ -247,15 +260,15 @@ fn convolve<S: Simd>(
         let left = (length - from) / LANES;
         let groups = if left == 4 { 2 } else { left.min(3) };
         match (both, groups) {
-            (true, 1) => convolve_pair::<1, S>(simd, taps, values, starts, from, first, second),
-            (true, 2) => convolve_pair::<2, S>(simd, taps, values, starts, from, first, second),
-            (true, _) => convolve_pair::<3, S>(simd, taps, values, starts, from, first, second),
+            (true, 1) => convolve_pair::<1, S>(simd, terms, from, first, second),
+            (true, 2) => convolve_pair::<2, S>(simd, terms, from, first, second),
+            (true, _) => convolve_pair::<3, S>(simd, terms, from, first, second),
             (false, _) => {
                 if kinds[0] == MIXED {
-                    convolve_some(simd, taps, values, starts, from, groups, first);
+                    convolve_some(simd, terms, from, groups, first);
                 }
                 if kinds[1] == MIXED {
-                    convolve_some(simd, taps, values, &starts[1..], from, groups, second);
+                    convolve_some(simd, terms.next(), from, groups, second);
                 }
             }
         }
@@ -264,46 +277,31 @@ fn convolve<S: Simd>(
 }
 
 #[inline(always)]
-fn convolve_some<S: Simd>(
-    simd: S,
-    taps: &[f32],
-    values: &[f32],
-    starts: &[usize],
-    from: usize,
-    groups: usize,
-    out: &mut [f32],
-) {
+fn convolve_some<S: Simd>(simd: S, terms: Terms<'_>, from: usize, groups: usize, out: &mut [f32]) {
     match groups {
-        1 => convolve_groups::<1, S>(simd, taps, values, starts, from, out),
-        2 => convolve_groups::<2, S>(simd, taps, values, starts, from, out),
-        _ => convolve_groups::<3, S>(simd, taps, values, starts, from, out),
+        1 => convolve_groups::<1, S>(simd, terms, from, out),
+        2 => convolve_groups::<2, S>(simd, terms, from, out),
+        _ => convolve_groups::<3, S>(simd, terms, from, out),
     }
 }
 
 /// `N` groups of lanes from `from` on.
 #[inline(always)]
-fn convolve_groups<const N: usize, S: Simd>(
-    simd: S,
-    taps: &[f32],
-    values: &[f32],
-    starts: &[usize],
-    from: usize,
-    out: &mut [f32],
-) {
-    let radius = taps.len() - 1;
+fn convolve_groups<const N: usize, S: Simd>(simd: S, terms: Terms<'_>, from: usize, out: &mut [f32]) {
+    let radius = terms.taps.len() - 1;
     let mut sums = [f32x16::splat(simd, 0.0); N];
     for distance in (1..=radius).rev() {
-        let before = piece::<N>(values, starts[radius - distance] + from);
-        let behind = piece::<N>(values, starts[radius + distance] + from);
-        let tap = f32x16::splat(simd, taps[distance]);
+        let before = terms.piece::<N>(radius - distance, from);
+        let behind = terms.piece::<N>(radius + distance, from);
+        let tap = f32x16::splat(simd, terms.taps[distance]);
         for group in 0..N {
             let both = lanes(simd, before, group) + lanes(simd, behind, group);
             sums[group] = both.mul_add_precise(tap, sums[group]);
         }
     }
-    let centre = piece::<N>(values, starts[radius] + from);
+    let centre = terms.piece::<N>(radius, from);
     for group in 0..N {
-        let sum = lanes(simd, centre, group).mul_add_precise(taps[0], sums[group]);
+        let sum = lanes(simd, centre, group).mul_add_precise(terms.taps[0], sums[group]);
         sum.store_slice(&mut out[from + group * LANES..][..LANES]);
     }
 }
@@ -312,28 +310,25 @@ fn convolve_groups<const N: usize, S: Simd>(
 #[inline(always)]
 fn convolve_pair<const N: usize, S: Simd>(
     simd: S,
-    taps: &[f32],
-    values: &[f32],
-    starts: &[usize],
+    terms: Terms<'_>,
     from: usize,
     first: &mut [f32],
     second: &mut [f32],
 ) {
-    let radius = taps.len() - 1;
+    let radius = terms.taps.len() - 1;
     let mut sums = [[f32x16::splat(simd, 0.0); N]; 2];
     // Before the first row at a distance, which is one nearer than before the second; behind the second, one farther than
     // behind the first.
     let (mut before, mut behind) = ([f32x16::splat(simd, 0.0); N], [f32x16::splat(simd, 0.0); N]);
-    let (farthest, behind_all) =
-        (piece::<N>(values, starts[0] + from), piece::<N>(values, starts[2 * radius + 1] + from));
+    let (farthest, behind_all) = (terms.piece::<N>(0, from), terms.piece::<N>(2 * radius + 1, from));
     for group in 0..N {
         before[group] = lanes(simd, farthest, group);
         behind[group] = lanes(simd, behind_all, group);
     }
     for distance in (1..=radius).rev() {
-        let nearer_before = piece::<N>(values, starts[radius + 1 - distance] + from);
-        let nearer_behind = piece::<N>(values, starts[radius + distance] + from);
-        let tap = f32x16::splat(simd, taps[distance]);
+        let nearer_before = terms.piece::<N>(radius + 1 - distance, from);
+        let nearer_behind = terms.piece::<N>(radius + distance, from);
+        let tap = f32x16::splat(simd, terms.taps[distance]);
         for group in 0..N {
             let (a, b) = (lanes(simd, nearer_before, group), lanes(simd, nearer_behind, group));
             sums[0][group] = (before[group] + b).mul_add_precise(tap, sums[0][group]);
@@ -342,16 +337,11 @@ fn convolve_pair<const N: usize, S: Simd>(
         }
     }
     for group in 0..N {
-        let centre = before[group].mul_add_precise(taps[0], sums[0][group]);
-        let next = behind[group].mul_add_precise(taps[0], sums[1][group]);
+        let centre = before[group].mul_add_precise(terms.taps[0], sums[0][group]);
+        let next = behind[group].mul_add_precise(terms.taps[0], sums[1][group]);
         centre.store_slice(&mut first[from + group * LANES..][..LANES]);
         next.store_slice(&mut second[from + group * LANES..][..LANES]);
     }
-}
-
-#[inline(always)]
-fn piece<const N: usize>(values: &[f32], start: usize) -> &[f32] {
-    &values[start..][..N * LANES]
 }
 
 #[inline(always)]
@@ -479,7 +469,7 @@ mod tests {
             let starts: Vec<usize> = (0..length).map(|n| n * nx).collect();
             let (mut a, mut b) = (vec![0.0; nx], vec![0.0; nx]);
             let ones = vec![1.0; length * nx];
-            dispatch!(Level::new(), simd => convolve(simd, &taps, &ones, &starts, [MIXED; 2], [&mut a, &mut b]));
+            dispatch!(Level::new(), simd => convolve(simd, Terms { taps: &taps, values: &ones, starts: &starts }, [MIXED; 2], [&mut a, &mut b]));
             assert!(a.iter().chain(&b).all(|&v| v == 1.0), "sigma {sigma}");
         }
     }
@@ -494,7 +484,7 @@ mod tests {
         let (mut wide, mut plain) = (vec![0.0; 2 * nx], vec![0.0; 2 * nx]);
         let on = |level: Level, out: &mut [f32]| {
             let (first, second) = out.split_at_mut(nx);
-            dispatch!(level, simd => convolve(simd, &taps, &values, &starts, [MIXED; 2], [first, second]));
+            dispatch!(level, simd => convolve(simd, Terms { taps: &taps, values: &values, starts: &starts }, [MIXED; 2], [first, second]));
         };
         on(Level::new(), &mut wide);
         on(Level::baseline(), &mut plain);
@@ -502,7 +492,7 @@ mod tests {
         // Nor does it make a difference whether a row's neighbour is convolved with it.
         let (mut alone, mut other) = (vec![0.0; nx], vec![0.0; nx]);
         dispatch!(Level::new(), simd => {
-            convolve(simd, &taps, &values, &starts, [MIXED, ONE], [&mut alone, &mut other]);
+            convolve(simd, Terms { taps: &taps, values: &values, starts: &starts }, [MIXED, ONE], [&mut alone, &mut other]);
         });
         assert_eq!(alone, wide[..nx]);
     }

@@ -44,6 +44,6 @@ impl Band {
     /// Whether a gradient is one that a surface has.
     #[inline(always)]
     pub(super) fn stands(&self, gradient: f64) -> bool {
-        gradient.is_finite() & (gradient >= self.minimum_gradient)
+        gradient < f64::INFINITY && gradient >= self.minimum_gradient
     }
 }

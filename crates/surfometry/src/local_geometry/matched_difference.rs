@@ -49,11 +49,8 @@ impl<'a> MatchedDifferences<'a> {
 pub(crate) fn matched_weights(sigma: f64, spacing: [f64; 3]) -> [CentralWeights; 3] {
     let mut weights = [CentralWeights::new(sigma, spacing[0]); 3];
     for axis in 1..3 {
-        if spacing[axis] != spacing[axis - 1] {
-            weights[axis] = CentralWeights::new(sigma, spacing[axis]);
-        } else {
-            weights[axis] = weights[axis - 1];
-        }
+        let same = spacing[axis] == spacing[axis - 1];
+        weights[axis] = if same { weights[axis - 1] } else { CentralWeights::new(sigma, spacing[axis]) };
     }
     weights
 }
@@ -226,7 +223,7 @@ impl BandPass<'_> {
             for y in 0..ny {
                 if rows[z * ny + y] != 0 {
                     let bits = &bits[(z * ny + y) * groups..][..groups];
-                    self.row(simd, [y, z], bits, &slopes, &mut voxels, visit);
+                    self.row(simd, [y, z], bits, &slopes, (&mut voxels, visit));
                 }
             }
         }
@@ -329,8 +326,7 @@ impl BandPass<'_> {
         [y, z]: [usize; 2],
         bits: &[u8],
         slopes: &Slopes,
-        voxels: &mut BandVoxels,
-        visit: &mut dyn FnMut(&BandVoxels),
+        (voxels, visit): (&mut BandVoxels, &mut dyn FnMut(&BandVoxels)),
     ) {
         let [nx, ny, _] = self.field.region().extent();
         let start = self.place([0, y as i64, z as i64]);

@@ -170,9 +170,8 @@ impl PointWeights {
         let central = Fit::<NODES>::new(sigma / spacing, -(SIDE as i64)).weights(0.0);
         let at_voxel = |number: usize| {
             let weight = |order: usize, k: usize| match (order, k.checked_sub(number)) {
-                (_, None | Some(NODES)) => 0.0,
+                (_, None | Some(NODES)) | (1, Some(SIDE)) => 0.0,
                 (0, Some(node)) => f64::from(u8::from(node == SIDE)),
-                (1, Some(SIDE)) => 0.0,
                 (order, Some(node)) => central[order][node],
             };
             std::array::from_fn(|order| std::array::from_fn(|k| weight(order, k)))

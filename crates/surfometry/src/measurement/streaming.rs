@@ -70,7 +70,7 @@ impl Measurement {
             let results = self.run_labels(&image, selection, |_, _| {})?;
             return Ok(Streamed { results, source_seconds, encode_seconds: 0.0 });
         }
-        let mut stream = Stream::new(setup, selection);
+        let mut stream = Stream::new(&setup, selection);
         let (mut source, mut encode) = (Duration::ZERO, Duration::ZERO);
         loop {
             let start = Instant::now();
@@ -119,12 +119,12 @@ struct Stream<'a> {
 }
 
 impl<'a> Stream<'a> {
-    fn new(setup: Setup, selection: &'a LabelSelection) -> Self {
+    fn new(setup: &Setup, selection: &'a LabelSelection) -> Self {
         let nothing = Mask::empty(setup.grid);
-        let reach = Scheme::of_part(&setup, &nothing).reach(&setup);
+        let reach = Scheme::of_part(setup, &nothing).reach(setup);
         let first = (-reach).div_euclid(TILE[2]) * TILE[2];
         Self {
-            setup,
+            setup: *setup,
             selection,
             encoder: RunEncoder::new(setup.grid),
             window: LabelRuns::new(setup.grid),

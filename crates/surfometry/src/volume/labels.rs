@@ -203,21 +203,19 @@ impl EncodedSlice {
                 let value = row[start];
                 let end = start + run_length(&row[start..]);
                 let known = recent.into_iter().flatten().find(|(known, _)| *known == value);
-                let code = match known {
-                    Some((_, code)) => code,
-                    None => {
-                        let offset = first + number * nx + start;
-                        let label = value
-                            .to_label()
-                            .ok_or_else(|| label_error(value.to_f64(), grid.index_of(offset)))?;
-                        let next = encoded.summaries.len();
-                        let code = *code_of.entry(label).or_insert(next);
-                        if code == next {
-                            encoded.summaries.push(LabelSummary::empty(label, code));
-                        }
-                        recent = [Some((value, code)), recent[0]];
-                        code
+                let code = if let Some((_, code)) = known {
+                    code
+                } else {
+                    let offset = first + number * nx + start;
+                    let label =
+                        value.to_label().ok_or_else(|| label_error(value.to_f64(), grid.index_of(offset)))?;
+                    let next = encoded.summaries.len();
+                    let code = *code_of.entry(label).or_insert(next);
+                    if code == next {
+                        encoded.summaries.push(LabelSummary::empty(label, code));
                     }
+                    recent = [Some((value, code)), recent[0]];
+                    code
                 };
                 if code != 0 {
                     let run = Run { start: start as u32, end: end as u32, code: code as u32 };
