@@ -23,17 +23,13 @@ pub struct BandVoxels {
     /// Neighbours along x: the index of the first, and a bit for each that belongs to the band.
     groups: Vec<([i64; 3], u8)>,
     /// A jet's ten numbers; the unused end of each is of no meaning.
-    columns: [Box<[f64; CAPACITY]>; 10],
+    columns: Vec<[f64; CAPACITY]>,
 }
 
 impl BandVoxels {
     /// None.
     pub(crate) fn new() -> Self {
-        Self {
-            count: 0,
-            groups: Vec::with_capacity(CAPACITY),
-            columns: std::array::from_fn(|_| Box::new([0.0; CAPACITY])),
-        }
+        Self { count: 0, groups: Vec::with_capacity(CAPACITY), columns: vec![[0.0; CAPACITY]; 10] }
     }
 
     /// How many.

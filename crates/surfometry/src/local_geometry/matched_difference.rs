@@ -223,7 +223,7 @@ impl BandPass<'_> {
             for y in 0..ny {
                 if rows[z * ny + y] != 0 {
                     let bits = &bits[(z * ny + y) * groups..][..groups];
-                    self.row(simd, [y, z], bits, &slopes, (&mut voxels, visit));
+                    self.row(simd, [y, z], (bits, &slopes), &mut voxels, visit);
                 }
             }
         }
@@ -324,9 +324,9 @@ impl BandPass<'_> {
         &self,
         simd: S,
         [y, z]: [usize; 2],
-        bits: &[u8],
-        slopes: &Slopes,
-        (voxels, visit): (&mut BandVoxels, &mut dyn FnMut(&BandVoxels)),
+        (bits, slopes): (&[u8], &Slopes),
+        voxels: &mut BandVoxels,
+        visit: &mut dyn FnMut(&BandVoxels),
     ) {
         let [nx, ny, _] = self.field.region().extent();
         let start = self.place([0, y as i64, z as i64]);
