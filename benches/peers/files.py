@@ -4,6 +4,7 @@
 """
 
 import argparse
+import json
 import os
 import pathlib
 import re
@@ -14,7 +15,7 @@ import time
 import masks
 import numpy as np
 import worker
-from speed import bench, output_and_peak
+from speed import bench, output_and_peak, run
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 DATA = ROOT.parent / "shared/data/real/bone"
@@ -25,20 +26,13 @@ RUNS = 5
 def program(path, *options):
     """Wall seconds, peak MiB and the seconds by stage that the program tells."""
     command = [str(PROGRAM), "measure", str(path), "--timings", "--format", "json", "-o", "/dev/null", *options]
-    start = time.perf_counter()
-    with tempfile.TemporaryFile("w+") as err:
-        process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=err)
-        _, _, usage = os.wait4(process.pid, 0)
-        seconds = time.perf_counter() - start
-        err.seek(0)
-        stages = {name: float(value) for name, value in re.findall(r"(\w+) (\d+\.\d+)", err.read().split("seconds:")[-1])}
-    return seconds, usage.ru_maxrss / 1024, stages
+    _, said, seconds, peak = run(command)
+    stages = {name: float(value) for name, value in re.findall(r"(\w+) (\d+\.\d+)", said.split("seconds:")[-1])}
+    return seconds, peak, stages
 
 
 def balls(folder):
     """A ball of radius 40 in ever larger boxes: from an array in memory."""
-    import json
-
     print("\n| box | ms | of which finding the object | the rest |\n|---|---|---|---|")
     for n in (128, 256, 512, 1024):
         path = folder / "ball.npy"

@@ -6,42 +6,27 @@ Both run on the same field, in turn, five times; minima and their ratio are prin
     python benches/peers/isosurface.py
 """
 
-import json
-import pathlib
 import subprocess
 import tempfile
 import time
 
+import masks
 import numpy as np
 from scipy import ndimage
 from skimage import measure
+from speed import bench
 
-ROOT = pathlib.Path(__file__).resolve().parents[2]
 RUNS = 5
 
 
-def gyroid(n=256, period=150.0, margin=6):
+def gyroid(n=256):
     """A gyroid mask, empty near the faces, blurred by sigma = 2 voxels: phi, negative inside."""
-    x, y, z = np.meshgrid(*[np.arange(n) * 2 * np.pi / period] * 3, indexing="ij", sparse=True)
-    inside = np.sin(x) * np.cos(y) + np.sin(y) * np.cos(z) + np.sin(z) * np.cos(x) < 0
-    for axis in range(3):
-        ends = [slice(None)] * 3
-        for end in (slice(None, margin), slice(-margin, None)):
-            ends[axis] = end
-            inside[tuple(ends)] = False
+    inside = np.stack([masks.gyroid_slice((n, n, n), z, period=150.0) for z in range(n)]).transpose()
     return 0.5 - ndimage.gaussian_filter(inside.astype(np.float32), 2.0)
 
 
-def bench_binary():
-    """Builds the bench without running it; its path."""
-    command = ["cargo", "bench", "-p", "surfometry", "--bench", "isosurface", "--no-run", "--message-format=json"]
-    lines = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True).stdout.splitlines()
-    artifacts = [message for message in map(json.loads, lines) if message.get("executable")]
-    return artifacts[-1]["executable"]
-
-
 def main():
-    binary, phi = bench_binary(), gyroid()
+    binary, phi = bench("isosurface"), gyroid()
     ours, theirs = [], []
     with tempfile.NamedTemporaryFile(suffix=".npy") as file:
         np.save(file.name, phi)

@@ -16,18 +16,10 @@ def gyroid_slice(dimensions, z, period=64.0, margin=6):
     return inside if margin <= z < nz - margin else np.zeros_like(inside)
 
 
-def rotation(degrees):
-    """About x, then y, then z."""
-    (sx, sy, sz), (cx, cy, cz) = np.sin(np.radians(degrees)), np.cos(np.radians(degrees))
-    about_x = np.array([[1, 0, 0], [0, cx, -sx], [0, sx, cx]])
-    about_y = np.array([[cy, 0, sy], [0, 1, 0], [-sy, 0, cy]])
-    about_z = np.array([[cz, -sz, 0], [sz, cz, 0], [0, 0, 1]])
-    return about_z @ about_y @ about_x
-
-
 def torus(spacing=0.5, major=30.0, minor=10.0):
     """A torus off the grid, turned about its axis, in the smallest box with two voxels around it."""
-    turn = rotation([0, 0, 17])
+    sin, cos = np.sin(np.radians(17)), np.cos(np.radians(17))
+    turn = np.array([[cos, -sin, 0], [sin, cos, 0], [0, 0, 1]])
     half = major + minor + 5 * spacing
     axes = np.arange(-half, half, spacing) + 0.17 * spacing
     z, y, x = np.meshgrid(axes, axes, axes, indexing="ij")

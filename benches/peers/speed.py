@@ -5,7 +5,7 @@ Every tool runs on the same masks in turn, five times (slow ones once), each tim
     python3.11 -m venv a && a/bin/pip install -r benches/peers/requirements.txt
     python3.9 -m venv b && b/bin/pip install numpy==1.26.4 setuptools wheel versioneer cython \
         && b/bin/pip install --no-build-isolation -r benches/peers/requirements-old.txt
-    a/bin/python benches/peers/speed.py --old b/bin/python [--runs 5] [--full] > docs/benchmarks.txt
+    a/bin/python benches/peers/speed.py --old b/bin/python [--runs 5] [--full] > speed.md
 """
 
 import argparse
@@ -16,6 +16,7 @@ import pathlib
 import subprocess
 import sys
 import tempfile
+import time
 
 import masks
 import numpy as np
@@ -36,14 +37,22 @@ def bench(name):
     return [message for message in map(json.loads, lines) if message.get("executable")][-1]["executable"]
 
 
-def output_and_peak(command):
-    """What a command prints, and its peak memory in MiB."""
-    with tempfile.TemporaryFile("w+") as out:
-        process = subprocess.Popen(command, stdout=out, stderr=subprocess.DEVNULL)
+def run(command):
+    """What a command prints and says on stderr, its seconds on the clock and its peak memory in MiB."""
+    with tempfile.TemporaryFile("w+") as out, tempfile.TemporaryFile("w+") as err:
+        start = time.perf_counter()
+        process = subprocess.Popen(command, stdout=out, stderr=err)
         _, status, usage = os.wait4(process.pid, 0)
+        seconds = time.perf_counter() - start
         out.seek(0)
-        text = out.read()
-    return (text.splitlines()[-1] if status == 0 and text else None), usage.ru_maxrss / 1024
+        err.seek(0)
+        return (out.read() if status == 0 else ""), err.read(), seconds, usage.ru_maxrss / 1024
+
+
+def output_and_peak(command):
+    """The last line that a command prints, none if it failed, and its peak memory in MiB."""
+    text, _, _, peak = run(command)
+    return (text.splitlines()[-1] if text else None), peak
 
 
 class Case:
@@ -142,16 +151,16 @@ def main():
     with tempfile.TemporaryDirectory() as folder:
         for number, case in enumerate(cases(pathlib.Path(folder))):
             results = {}
-            for run in range(options.runs):
+            for number_of_run in range(options.runs):
                 for what in OURS:
                     results.setdefault(f"surfometry {what}", []).append(ours(binary, case, what))
                 for tool, python in tools:
-                    if tool in SLOW and (run > 0 or (number == 0 and not options.full)):
+                    if tool in SLOW and (number_of_run > 0 or (number == 0 and not options.full)):
                         continue
                     result = theirs(python, case, tool)
                     if result:
                         results.setdefault(tool, []).append(result)
-                print(f"{case.name}: run {run + 1} of {options.runs}", file=sys.stderr)
+                print(f"{case.name}: run {number_of_run + 1} of {options.runs}", file=sys.stderr)
             best = {tool: min(runs, key=lambda r: r["seconds"]) for tool, runs in results.items()}
             table(case, best)
             if number == 0:

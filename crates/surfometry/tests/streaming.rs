@@ -51,23 +51,8 @@ fn stack() -> LabelImage {
         if z < nz && x < nx && whole.get([x, y, z].map(|v| v as i64)) { copy as i16 % 3 + 1 } else { 0 }
     };
     let grid = Grid::axis_aligned(dimensions, [0.9, 0.8, 0.7]).unwrap();
-    let values = (0..grid.voxel_count()).map(|offset| label(grid.index_of(offset))).collect();
-    let mut reader = Whole(grid, Some(Slab { slices: 0..dimensions[2], samples: Samples::I16(values) }));
-    LabelImage::from_slabs(&mut reader).unwrap()
-}
-
-struct Whole(Grid, Option<Slab>);
-
-impl SlabReader for Whole {
-    type Error = VolumeError;
-
-    fn grid(&self) -> &Grid {
-        &self.0
-    }
-
-    fn next_slab(&mut self) -> Result<Option<Slab>, VolumeError> {
-        Ok(self.1.take())
-    }
+    let values: Vec<i16> = (0..grid.voxel_count()).map(|offset| label(grid.index_of(offset))).collect();
+    LabelImage::from_voxels(grid, &values).unwrap()
 }
 
 /// Everything but the times.

@@ -74,6 +74,11 @@ impl Blur {
         }
     }
 
+    /// Voxels that a value depends on, on each side.
+    pub(crate) fn halo(&self) -> [i64; 3] {
+        [self.x.radius, self.y.len() as i64 - 1, self.z.len() as i64 - 1]
+    }
+
     /// Sets `phi`, the values on a box, to a level less the blurred mask.
     pub(crate) fn subtract_from(&self, level: f32, mask: &Mask, region: &IndexBox, phi: &mut [f32]) {
         self.work.with(|work| {

@@ -5,6 +5,7 @@ use super::point_kernel::{PointDerivatives, PointKernel};
 use super::{Embedding, Separable};
 use crate::tiling::{Block, IndexBox};
 use crate::volume::Mask;
+use std::sync::OnceLock;
 
 /// phi = T - G_sigma * I, with I the indicator of the object (Besler et al., the "proposed embedding").
 ///
@@ -15,9 +16,11 @@ pub struct GaussianEmbedding<'a> {
     mask: &'a Mask,
     sigma: f64,
     level: f64,
+    truncation: f64,
     blur: Blur,
-    convolution: Separable,
-    at_points: PointKernel,
+    /// Made when first asked for: differences of the blur need neither.
+    convolution: OnceLock<Separable>,
+    at_points: OnceLock<PointKernel>,
 }
 
 impl<'a> GaussianEmbedding<'a> {
@@ -28,9 +31,10 @@ impl<'a> GaussianEmbedding<'a> {
             mask,
             sigma,
             level,
+            truncation,
             blur: Blur::new(sigma, spacing, truncation),
-            convolution: Separable::new(sigma, spacing, truncation),
-            at_points: PointKernel::new(sigma, spacing, truncation),
+            convolution: OnceLock::new(),
+            at_points: OnceLock::new(),
         }
     }
 
@@ -51,11 +55,17 @@ impl<'a> GaussianEmbedding<'a> {
 
     /// The blurred indicator and its derivatives at a fractional voxel index.
     pub(crate) fn convolve_at(&self, point: [f64; 3]) -> PointDerivatives {
-        self.at_points.convolve(self.mask, point)
+        let kernel =
+            self.at_points.get_or_init(|| PointKernel::new(self.sigma, self.spacing(), self.truncation));
+        kernel.convolve(self.mask, point)
     }
 
     pub(crate) fn convolution(&self) -> &Separable {
-        &self.convolution
+        self.convolution.get_or_init(|| Separable::new(self.sigma, self.spacing(), self.truncation))
+    }
+
+    fn spacing(&self) -> [f64; 3] {
+        self.mask.grid().spacing().mm()
     }
 }
 
@@ -63,11 +73,11 @@ impl Embedding for GaussianEmbedding<'_> {
     type Value = f32;
 
     fn support(&self, _half_width: f64) -> IndexBox {
-        self.mask.bounds().grown(self.convolution.halo())
+        self.mask.bounds().grown(self.blur.halo())
     }
 
     fn halo(&self, _half_width: f64) -> [i64; 3] {
-        self.convolution.halo()
+        self.blur.halo()
     }
 
     fn evaluate_in(&self, storage: Vec<f32>, region: &IndexBox, _half_width: f64) -> Block<f32> {
@@ -78,7 +88,7 @@ impl Embedding for GaussianEmbedding<'_> {
     }
 
     fn constant_on(&self, region: &IndexBox, _half_width: f64) -> Option<f64> {
-        let inside = self.mask.uniform_in(&region.grown(self.convolution.halo()))?;
+        let inside = self.mask.uniform_in(&region.grown(self.blur.halo()))?;
         Some(if inside { self.level - 1.0 } else { self.level })
     }
 }

@@ -37,11 +37,6 @@ impl Separable {
         }
     }
 
-    /// Voxels that a value depends on, on each side.
-    pub(crate) fn halo(&self) -> [i64; 3] {
-        self.halo
-    }
-
     /// Convolves the mask on a box with the kernels of each of `orders`; `visit` gets each slice z in turn with one
     /// plane of values (x fastest) for each of the orders.
     pub(crate) fn for_each_slice(

@@ -9,6 +9,7 @@ use crate::embedding::{
 use crate::integrals::Band;
 use crate::local_geometry::{Differentiation, FiniteDifferences, GaussianDerivatives, MatchedDifferences};
 use crate::surface::Surface;
+use crate::tiling::IndexBox;
 use crate::volume::{FieldImage, Grid, Mask};
 
 /// Largest sigma in voxels: the kernels' reach, five times that, is what a tile needs around it.
@@ -80,11 +81,9 @@ impl<'a> Scheme<'a> {
 
     /// Slices around some in which an object must be known for what is summed over them.
     pub(super) fn reach(&self, setup: &Setup) -> i64 {
-        // Beyond the field's own reach, that of differences and of cells.
-        const DIFFERENCES: i64 = 8;
         let half_width = setup.band.delta().half_width();
-        let slices = with_scheme!(self, s => s.embedding().halo(half_width)[2]);
-        slices + DIFFERENCES
+        let voxel = IndexBox::voxel([0; 3]);
+        with_scheme!(self, s => s.field_region(&voxel).upper[2] - voxel.upper[2] + s.embedding().halo(half_width)[2])
     }
 
     pub(super) fn sums(&self, pass: &Pass) -> ObjectSums {

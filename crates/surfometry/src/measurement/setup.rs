@@ -74,8 +74,7 @@ impl Setup {
 
     /// Plain and compensated integrals.
     pub(super) fn values(&self, sums: &ObjectSums) -> (PlainValues, UncertainValues) {
-        let integrals = Integrals::of(&sums.integrals, self.grid.spacing());
-        let surviving = Some(integrals).filter(|i| i.inside_voxels > 0);
+        let surviving = self.surviving(sums);
         let compensated = self.compensated(surviving);
         (
             surviving.map_or_else(PlainValues::default, |i| PlainValues::of(&i)),
@@ -85,14 +84,13 @@ impl Setup {
 
     /// All numbers of an object.
     pub(super) fn measured(&self, totals: &Totals) -> Measured {
-        let integrals = Integrals::of(&totals.sums.integrals, self.grid.spacing());
-        let surviving = Some(integrals).filter(|i| i.inside_voxels > 0);
+        let surviving = self.surviving(&totals.sums);
         let compensated = self.compensated(surviving);
         let mesh = Some(SurfaceSummary::of_sums(&totals.sums.surface)).filter(|mesh| mesh.triangles > 0);
         let topology = totals.topology.topology();
         let voxels = totals.voxels.summary(&self.grid);
         let evidence = self.evidence(surviving, compensated, mesh, &topology, voxels.volume_mm3);
-        let mut flags = self.parameter_flags(totals.voxels.touches_border(&self.grid));
+        let mut flags = self.parameter_flags(self.grid.is_touched_by(totals.voxels.bounds()));
         flags.extend(raise_flags(&evidence));
         flags.push(Flag::new(FlagCode::NotComputed, NOT_COMPUTED));
         let compensated = compensated.filter(|_| !evidence.compensation_failed());
@@ -111,6 +109,12 @@ impl Setup {
             seconds: totals.integrated.as_secs_f64(),
             timings: totals.timings(),
         }
+    }
+
+    /// The integrals; `None` where nothing is inside the level set.
+    fn surviving(&self, sums: &ObjectSums) -> Option<Integrals> {
+        let integrals = Integrals::of(&sums.integrals, self.grid.spacing());
+        (integrals.inside_voxels > 0).then_some(integrals)
     }
 
     fn compensated(&self, integrals: Option<Integrals>) -> Option<CompensatedIntegrals> {

@@ -38,10 +38,9 @@ impl VoxelCounts {
         }
     }
 
-    /// Whether there are voxels in the first or last slice of any axis of the image.
-    pub(super) fn touches_border(&self, grid: &Grid) -> bool {
-        let image = grid.index_box();
-        (0..3).any(|a| self.bounds.lower[a] <= image.lower[a] || self.bounds.upper[a] >= image.upper[a])
+    /// The box around the voxels.
+    pub(super) fn bounds(&self) -> &IndexBox {
+        &self.bounds
     }
 
     pub(super) fn summary(&self, grid: &Grid) -> VoxelSummary {

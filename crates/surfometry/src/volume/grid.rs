@@ -64,6 +64,12 @@ impl Grid {
         self.dimensions.iter().product()
     }
 
+    /// Whether a box has voxels in the first or last slice of any axis, or beyond.
+    pub(crate) fn is_touched_by(&self, bounds: &IndexBox) -> bool {
+        let image = self.index_box();
+        (0..3).any(|a| bounds.lower[a] <= image.lower[a] || bounds.upper[a] >= image.upper[a])
+    }
+
     /// Index (x, y, z) of the n-th voxel in memory.
     pub fn index_of(&self, offset: usize) -> [usize; 3] {
         let [nx, ny, _] = self.dimensions;

@@ -163,8 +163,7 @@ impl Mask {
 
     /// Whether the object has voxels in the first or last slice of any axis of the image.
     pub fn touches_border(&self) -> bool {
-        let image = self.grid.index_box();
-        (0..3).any(|a| self.bounds.lower[a] <= image.lower[a] || self.bounds.upper[a] >= image.upper[a])
+        self.grid.is_touched_by(&self.bounds)
     }
 }
 
