@@ -26,15 +26,16 @@ pub(crate) struct Blur {
 /// Slices that are convolved along z together.
 const BATCH: usize = 8;
 
-/// Rows of one slice convolved along x, slices convolved along x and y, and some slices of what comes out.
+/// Rows of one slice convolved along x, and slices convolved along x and y.
 #[derive(Debug, Default)]
 struct Work {
     /// Where the runs of a row start and end.
     edges: Vec<i64>,
-    kinds: Vec<Kind>,
     rows: Rows,
+    /// Values by row, then slice; kinds by slice, then row.
     ring: Rows,
-    out: Rows,
+    /// What the rows of some slices that come out are.
+    slice_kinds: Vec<Kind>,
     /// Where in `rows` and `ring` lies what a row comes from, in the order of the taps.
     row_starts: Vec<usize>,
     slice_starts: Vec<usize>,
@@ -96,15 +97,14 @@ impl Blur {
         phi: &mut [f32],
     ) {
         let [row_length, ny, nz] = region.extent();
-        let nx = row_length.next_multiple_of(LANES);
-        let Work { edges, kinds, rows, ring, out, row_starts, slice_starts } = work;
+        let (nx, plane) = (row_length.next_multiple_of(LANES), row_length * ny);
+        let Work { edges, rows, ring, slice_kinds, row_starts, slice_starts } = work;
         let halo = 2 * (self.z.len() - 1);
         let length = halo + BATCH;
         // One more than there are outputs for, where they are made in pairs.
         rows.resize(nx, ny + 2 * (self.y.len() - 1) + 1);
         ring.resize(nx, ny * length);
-        out.resize(nx, ny * BATCH);
-        kinds.resize(ny, ZERO);
+        slice_kinds.resize(BATCH * ny, ZERO);
         row_starts.clear();
         row_starts.extend((0..2 * self.y.len()).map(|offset| offset * nx));
         let mut made = 0;
@@ -115,45 +115,39 @@ impl Blur {
                 let radii = [0, self.y.len() as i64 - 1, self.z.len() as i64 - 1 - number as i64];
                 let first = std::array::from_fn(|a| region.lower[a] - radii[a]);
                 self.x_pass(simd, mask, first, edges, rows);
-                common_kinds(kinds, (0..self.y.len() * 2 - 1).map(|offset| &rows.kinds[offset..]));
                 let slot = number % length;
-                for y in 0..ny {
-                    ring.kinds[y * length + slot] = kinds[y];
-                }
+                let kinds = &mut ring.kinds[slot * ny..][..ny];
+                common_kinds(kinds, (0..self.y.len() * 2 - 1).map(|offset| &rows.kinds[offset..]));
                 // Rows of neighbouring y lie a ring apart.
                 for y in (0..ny).step_by(2) {
                     let (first, others) = ring.values[(y * length + slot) * nx..].split_at_mut(nx);
                     let second = others.get_mut((length - 1) * nx..).and_then(|rest| rest.get_mut(..nx));
                     let pair_kinds = [kinds[y], kinds.get(y + 1).copied().unwrap_or(ZERO)];
-                    let terms = Terms { taps: &self.y, values: &rows.values[y * nx..], starts: row_starts };
+                    let values = &rows.values[y * nx..];
+                    let terms = Terms { taps: &self.y, values, starts: row_starts, minuend: None };
                     convolve(simd, terms, pair_kinds, [first, second.unwrap_or(&mut [])]);
                 }
             }
             made = first + count + halo;
             slice_starts.clear();
             slice_starts.extend((first..made).map(|number| number % length * nx));
-            for y in 0..ny {
-                let slices = &ring.values[y * length * nx..][..length * nx];
-                let kinds = &ring.kinds[y * length..][..length];
-                let kind_of = |slice: usize| match slice_starts.get(slice..=slice + halo) {
-                    Some(starts) => common_kind(starts.iter().map(|start| kinds[start / nx])),
-                    None => ZERO,
-                };
-                let out_rows = &mut out.values[y * BATCH * nx..][..BATCH * nx];
-                for (pair, rows) in out_rows.chunks_exact_mut(2 * nx).enumerate().take(count.div_ceil(2)) {
-                    let slice = 2 * pair;
-                    let pair_kinds = [kind_of(slice), kind_of(slice + 1)];
-                    out.kinds[y * BATCH + slice..][..2].copy_from_slice(&pair_kinds);
-                    let (first, second) = rows.split_at_mut(nx);
-                    let terms = Terms { taps: &self.z, values: slices, starts: &slice_starts[slice..] };
-                    convolve(simd, terms, pair_kinds, [first, second]);
-                }
+            for (slice, kinds) in slice_kinds.chunks_exact_mut(ny).enumerate().take(count) {
+                let from = |number: usize| &ring.kinds[number % length * ny..];
+                common_kinds(kinds, (first + slice..=first + slice + halo).map(from));
             }
-            let slices = &mut phi[first * ny * row_length..][..count * ny * row_length];
-            for (number, phi) in slices.chunks_exact_mut(row_length).enumerate() {
-                let row = number % ny * BATCH + number / ny;
-                for (phi, blurred) in phi.iter_mut().zip(&out.values[row * nx..]) {
-                    *phi = level - blurred;
+            let phi = &mut phi[first * plane..][..count * plane];
+            for y in 0..ny {
+                let values = &ring.values[y * length * nx..][..length * nx];
+                for slice in (0..count).step_by(2) {
+                    let (first, others) = phi[slice * plane + y * row_length..].split_at_mut(row_length);
+                    let second =
+                        others.get_mut(plane - row_length..).and_then(|rest| rest.get_mut(..row_length));
+                    let kind_of =
+                        |slice: usize| if slice < count { slice_kinds[slice * ny + y] } else { ZERO };
+                    let starts = &slice_starts[slice..];
+                    let terms = Terms { taps: &self.z, values, starts, minuend: Some(level) };
+                    let pair_kinds = [kind_of(slice), kind_of(slice + 1)];
+                    convolve(simd, terms, pair_kinds, [first, second.unwrap_or(&mut [])]);
                 }
             }
         }
@@ -217,13 +211,6 @@ fn common_kinds<'a>(out: &mut [Kind], neighbours: impl Iterator<Item = &'a [Kind
     }
 }
 
-/// The same of one row.
-#[inline(always)]
-fn common_kind(mut neighbours: impl Iterator<Item = Kind>) -> Kind {
-    let first = neighbours.next().unwrap_or(ZERO);
-    if first == MIXED { MIXED } else { neighbours.fold(first, |common, kind| common & kind) }
-}
-
 /// What a row is the sum of: taps times the rows that begin at `starts`, from the farthest before to the farthest behind.
 #[derive(Clone, Copy)]
 struct Terms<'a> {
@@ -231,6 +218,8 @@ struct Terms<'a> {
     taps: &'a [f32],
     values: &'a [f32],
     starts: &'a [usize],
+    /// What the sum is taken from, if from anything.
+    minuend: Option<f32>,
 }
 
 impl<'a> Terms<'a> {
@@ -238,6 +227,28 @@ impl<'a> Terms<'a> {
     #[inline(always)]
     fn next(self) -> Self {
         Self { starts: &self.starts[1..], ..self }
+    }
+
+    #[inline(always)]
+    fn fill(self, kind: Kind, row: &mut [f32]) {
+        if let Some(value) = constant(kind) {
+            row.fill(self.minuend.map_or(value, |minuend| minuend - value));
+        }
+    }
+
+    /// Stores a group of lanes of a row, or what of it lies in the row.
+    #[inline(always)]
+    fn store<S: Simd>(self, simd: S, sum: f32x16<S>, row: &mut [f32], at: usize) {
+        let values = match self.minuend {
+            Some(minuend) => f32x16::splat(simd, minuend) - sum,
+            None => sum,
+        };
+        let row = &mut row[at..];
+        if row.len() < LANES {
+            row.copy_from_slice(&values.to_array()[..row.len()]);
+        } else {
+            values.store_slice(&mut row[..LANES]);
+        }
     }
 
     /// `N` groups of lanes of a row, from `from` on.
@@ -252,17 +263,13 @@ impl<'a> Terms<'a> {
 fn convolve<S: Simd>(simd: S, terms: Terms<'_>, kinds: [Kind; 2], [first, second]: [&mut [f32]; 2]) {
     let length = first.len();
     let both = kinds == [MIXED; 2];
-    if let Some(value) = constant(kinds[0]) {
-        first.fill(value);
-    }
-    if let Some(value) = constant(kinds[1]) {
-        second.fill(value);
-    }
+    terms.fill(kinds[0], first);
+    terms.fill(kinds[1], second);
     let mut from = 0;
     while from < length {
         // Several groups at once, because each waits for its own sum. (No closures here: they would not be compiled for the
         // vectors.)
-        let left = (length - from) / LANES;
+        let left = (length - from).div_ceil(LANES);
         let groups = if left == 4 { 2 } else { left.min(3) };
         match (both, groups) {
             (true, 1) => convolve_pair::<1, S>(simd, terms, from, first, second),
@@ -307,7 +314,7 @@ fn convolve_groups<const N: usize, S: Simd>(simd: S, terms: Terms<'_>, from: usi
     let centre = terms.piece::<N>(radius, from);
     for group in 0..N {
         let sum = lanes(simd, centre, group).mul_add_precise(terms.taps[0], sums[group]);
-        sum.store_slice(&mut out[from + group * LANES..][..LANES]);
+        terms.store(simd, sum, out, from + group * LANES);
     }
 }
 
@@ -344,8 +351,8 @@ fn convolve_pair<const N: usize, S: Simd>(
     for group in 0..N {
         let centre = before[group].mul_add_precise(terms.taps[0], sums[0][group]);
         let next = behind[group].mul_add_precise(terms.taps[0], sums[1][group]);
-        centre.store_slice(&mut first[from + group * LANES..][..LANES]);
-        next.store_slice(&mut second[from + group * LANES..][..LANES]);
+        terms.store(simd, centre, first, from + group * LANES);
+        terms.store(simd, next, second, from + group * LANES);
     }
 }
 
@@ -474,7 +481,7 @@ mod tests {
             let starts: Vec<usize> = (0..length).map(|n| n * nx).collect();
             let (mut a, mut b) = (vec![0.0; nx], vec![0.0; nx]);
             let ones = vec![1.0; length * nx];
-            dispatch!(Level::new(), simd => convolve(simd, Terms { taps: &taps, values: &ones, starts: &starts }, [MIXED; 2], [&mut a, &mut b]));
+            dispatch!(Level::new(), simd => convolve(simd, Terms { taps: &taps, values: &ones, starts: &starts, minuend: None }, [MIXED; 2], [&mut a, &mut b]));
             assert!(a.iter().chain(&b).all(|&v| v == 1.0), "sigma {sigma}");
         }
     }
@@ -489,7 +496,7 @@ mod tests {
         let (mut wide, mut plain) = (vec![0.0; 2 * nx], vec![0.0; 2 * nx]);
         let on = |level: Level, out: &mut [f32]| {
             let (first, second) = out.split_at_mut(nx);
-            dispatch!(level, simd => convolve(simd, Terms { taps: &taps, values: &values, starts: &starts }, [MIXED; 2], [first, second]));
+            dispatch!(level, simd => convolve(simd, Terms { taps: &taps, values: &values, starts: &starts, minuend: None }, [MIXED; 2], [first, second]));
         };
         on(Level::new(), &mut wide);
         on(Level::baseline(), &mut plain);
@@ -497,7 +504,7 @@ mod tests {
         // Nor does it make a difference whether a row's neighbour is convolved with it.
         let (mut alone, mut other) = (vec![0.0; nx], vec![0.0; nx]);
         dispatch!(Level::new(), simd => {
-            convolve(simd, Terms { taps: &taps, values: &values, starts: &starts }, [MIXED, ONE], [&mut alone, &mut other]);
+            convolve(simd, Terms { taps: &taps, values: &values, starts: &starts, minuend: None }, [MIXED, ONE], [&mut alone, &mut other]);
         });
         assert_eq!(alone, wide[..nx]);
     }

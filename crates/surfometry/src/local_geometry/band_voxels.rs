@@ -68,28 +68,32 @@ impl BandVoxels {
         })
     }
 
-    /// Adds those of 8 neighbours along x whose bits are set; hands all on and starts again where another group might not fit.
+    /// Adds those of 8 neighbours along x whose bits are set; their numbers lie in `columns` from `from` on, and 8 more may be read. Hands
+    /// all on and starts again where another group might not fit.
     #[inline(always)]
-    pub(crate) fn push_group(
+    pub(crate) fn push_window<const N: usize>(
         &mut self,
         first: [i64; 3],
         bits: u8,
-        numbers: &[[f32; GROUP]; 10],
+        columns: &[[f32; N]; 10],
+        from: usize,
         visit: &mut dyn FnMut(&Self),
     ) {
-        let mut lanes = [0; GROUP];
-        let mut rest = bits;
-        let count = bits.count_ones() as usize;
-        for lane in &mut lanes[..count] {
-            *lane = rest.trailing_zeros() as usize % GROUP;
-            rest &= rest - 1;
-        }
-        for (column, numbers) in self.columns.iter_mut().zip(numbers) {
-            for (value, &lane) in column[self.count..].iter_mut().zip(&lanes[..count]) {
-                *value = f64::from(numbers[lane]);
+        let mut rest = u32::from(bits);
+        let mut count = self.count;
+        while rest != 0 {
+            // Neighbours that belong to the band lie together: they move together, and what lies behind is written over.
+            let lane = rest.trailing_zeros() as usize;
+            let neighbours = (rest >> lane).trailing_ones() as usize;
+            for (column, numbers) in self.columns.iter_mut().zip(columns) {
+                let numbers: &[f32; GROUP] =
+                    numbers[from + lane..][..GROUP].try_into().expect("of this length");
+                column[count..][..GROUP].copy_from_slice(&numbers.map(f64::from));
             }
+            count += neighbours;
+            rest &= !0 << (lane + neighbours);
         }
-        self.finish_group(first, bits, count, visit);
+        self.finish_group(first, bits, count - self.count, visit);
     }
 
     /// Adds one by its jet.
@@ -105,7 +109,7 @@ impl BandVoxels {
     fn finish_group(&mut self, first: [i64; 3], bits: u8, count: usize, visit: &mut dyn FnMut(&Self)) {
         self.groups.push((first, bits));
         self.count += count;
-        if self.count > CAPACITY - GROUP {
+        if self.count > CAPACITY - 2 * GROUP {
             self.flush(visit);
         }
     }

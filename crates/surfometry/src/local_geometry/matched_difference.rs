@@ -1,6 +1,7 @@
 //! Derivatives of the blurred indicator by differences that are matched to the blur.
 
 use super::band_voxels::GROUP as LANES;
+use super::matched_band::{BandPass, padded_width};
 use super::matched_weights::{CentralWeights, NODES_BETWEEN, PointWeights, SIDE, Weights};
 use super::{BandVoxels, Differentiation, Jet};
 use crate::embedding::GaussianEmbedding;
@@ -65,9 +66,8 @@ impl<'a> Differentiation for MatchedDifferences<'a> {
     /// With whole groups of lanes along x, so that the last of a row can be loaded.
     fn field_region(&self, tile: &IndexBox) -> IndexBox {
         let mut region = tile.grown([REACH; 3]);
-        let lanes = LANES as i64;
-        let needed = groups(tile) as i64 * lanes + 2 * REACH;
-        region.upper[0] = region.lower[0] + (needed + lanes - 1) / lanes * lanes;
+        let needed = padded_width(tile) + 2 * REACH as usize;
+        region.upper[0] = region.lower[0] + needed.next_multiple_of(LANES) as i64;
         region
     }
 
@@ -78,8 +78,7 @@ impl<'a> Differentiation for MatchedDifferences<'a> {
         half_width: f64,
         visit: &mut dyn FnMut(&BandVoxels),
     ) {
-        let pass = BandPass { field, tile, weights: &self.weights, half_width };
-        dispatch!(Level::new(), simd => pass.run(simd, visit));
+        BandPass { field, weights: &self.weights, half_width }.visit(tile, visit);
     }
 
     fn jets_at(&self, field: &Block<f32>, points: &[[f64; 3]]) -> Vec<Jet> {
@@ -171,222 +170,4 @@ fn x_row<S: Simd>(simd: S, row: &[f32]) -> [f32x8<S>; 2] {
 fn add<S: Simd>(sum: &mut [f32x8<S>; 2], row: [f32x8<S>; 2], weight: f32) {
     sum[0] = row[0].mul_add_precise(weight, sum[0]);
     sum[1] = row[1].mul_add_precise(weight, sum[1]);
-}
-
-/// Groups of lanes that a tile's rows are made of.
-fn groups(tile: &IndexBox) -> usize {
-    tile.extent()[0].div_ceil(LANES)
-}
-
-/// Some groups of a row, a bit each.
-type GroupSet = u64;
-
-/// One walk over the slices of a tile.
-struct BandPass<'a> {
-    field: &'a Block<f32>,
-    tile: &'a IndexBox,
-    weights: &'a [CentralWeights; 3],
-    half_width: f64,
-}
-
-/// First differences along x and y of the slices around the one in work, which mixed derivatives are first differences of.
-struct Slopes {
-    /// By slice modulo their number, then row (from the reach before the tile on), then x.
-    along_x: Vec<f32>,
-    along_y: Vec<f32>,
-    row: usize,
-    slice: usize,
-}
-
-/// Slices whose slopes are kept.
-const KEPT: usize = 2 * SIDE + 1;
-
-impl BandPass<'_> {
-    #[inline(always)]
-    fn run<S: Simd>(&self, simd: S, visit: &mut dyn FnMut(&BandVoxels)) {
-        let [_, ny, nz] = self.tile.extent();
-        let groups = groups(self.tile);
-        assert!(groups <= GroupSet::BITS as usize, "a row of {groups} groups does not fit");
-        let bits = self.band_bits(simd, groups);
-        let mut rows: Vec<GroupSet> = vec![0; ny * nz];
-        for (row, bits) in rows.iter_mut().zip(bits.chunks_exact(groups)) {
-            for (group, bits) in bits.iter().enumerate() {
-                *row |= GroupSet::from(*bits != 0) << group;
-            }
-        }
-        let mut slopes = Slopes::new(groups * LANES, ny + 2 * SIDE);
-        let mut voxels = BandVoxels::new();
-        let side = SIDE as i64;
-        for n in -side..nz as i64 + side {
-            self.slopes_of_slice(simd, n, &rows, &mut slopes);
-            let Ok(z) = usize::try_from(n - side) else { continue };
-            for y in 0..ny {
-                if rows[z * ny + y] != 0 {
-                    let bits = &bits[(z * ny + y) * groups..][..groups];
-                    self.row(simd, [y, z], (bits, &slopes), &mut voxels, visit);
-                }
-            }
-        }
-        voxels.flush(visit);
-    }
-
-    /// Position in the field of a voxel given from the tile's first.
-    fn place(&self, [x, y, z]: [i64; 3]) -> usize {
-        let [i, j, k] = self.tile.lower;
-        self.field.offset([i + x, j + y, k + z])
-    }
-
-    /// Of each group of lanes, those with |phi| <= the half width.
-    #[inline(always)]
-    fn band_bits<S: Simd>(&self, simd: S, groups: usize) -> Vec<u8> {
-        let [nx, ny, nz] = self.tile.extent();
-        let half_width = f32x8::splat(simd, below(self.half_width));
-        let mut bits = Vec::with_capacity(groups * ny * nz);
-        for z in 0..nz {
-            for y in 0..ny {
-                let start = self.place([0, y as i64, z as i64]);
-                for group in 0..groups {
-                    let phi = lanes(simd, self.field.values(), start + group * LANES);
-                    let set = phi.abs().simd_le(half_width).to_bitmask() as u8;
-                    let left = nx - group * LANES;
-                    bits.push(if left < LANES { set & ((1 << left) - 1) } else { set });
-                }
-            }
-        }
-        bits
-    }
-
-    /// Slopes of a slice, in the groups that a voxel of the band needs: those beside it in the slice, and before and behind.
-    #[inline(always)]
-    fn slopes_of_slice<S: Simd>(&self, simd: S, z: i64, band: &[GroupSet], slopes: &mut Slopes) {
-        let [_, ny, nz] = self.tile.extent().map(|n| n as i64);
-        let side = SIDE as i64;
-        let within = |n: i64, end: i64| (n - side).max(0)..(n + side + 1).min(end);
-        let stride = self.field.region().extent()[0];
-        for y in -side..ny + side {
-            let mut along_slices = 0;
-            if (0..ny).contains(&y) {
-                within(z, nz).for_each(|z| along_slices |= band[(z * ny + y) as usize]);
-            }
-            let mut needed = along_slices;
-            if (0..nz).contains(&z) {
-                within(y, ny).for_each(|y| needed |= band[(z * ny + y) as usize]);
-            }
-            let start = self.place([0, y, z]);
-            let slot = slopes.place((y + side) as usize, z);
-            while needed != 0 {
-                let group = needed.trailing_zeros() as usize;
-                needed &= needed - 1;
-                let x = group * LANES;
-                let along_x = self.first_difference(simd, 0, start + x, 1);
-                along_x.store_slice(&mut slopes.along_x[slot + x..][..LANES]);
-                if along_slices >> group & 1 == 1 {
-                    let along_y = self.first_difference(simd, 1, start + x, stride);
-                    along_y.store_slice(&mut slopes.along_y[slot + x..][..LANES]);
-                }
-            }
-        }
-    }
-
-    #[inline(always)]
-    fn first_difference<S: Simd>(&self, simd: S, axis: usize, start: usize, stride: usize) -> f32x8<S> {
-        let pair = |n: usize| (start - n * stride, start + n * stride);
-        antisymmetric(simd, self.field.values(), &self.weights[axis].first, pair)
-    }
-
-    /// First and second derivative along one axis.
-    #[inline(always)]
-    fn differences<S: Simd>(
-        &self,
-        simd: S,
-        axis: usize,
-        start: usize,
-        stride: usize,
-    ) -> (f32x8<S>, f32x8<S>) {
-        let weights = &self.weights[axis];
-        let values = self.field.values();
-        let centre = lanes(simd, values, start);
-        let (mut first, mut second) = (f32x8::splat(simd, 0.0), f32x8::splat(simd, 0.0));
-        for n in 0..SIDE {
-            let step = (n + 1) * stride;
-            let (before, behind) = (lanes(simd, values, start - step), lanes(simd, values, start + step));
-            first = (behind - before).mul_add_precise(weights.first[n], first);
-            // Differences before sums: a constant has exactly no derivative.
-            let bend = (behind - centre) + (before - centre);
-            second = bend.mul_add_precise(weights.second[n], second);
-        }
-        (first, second)
-    }
-
-    /// The voxels of the band in one row.
-    #[inline(always)]
-    fn row<S: Simd>(
-        &self,
-        simd: S,
-        [y, z]: [usize; 2],
-        (bits, slopes): (&[u8], &Slopes),
-        voxels: &mut BandVoxels,
-        visit: &mut dyn FnMut(&BandVoxels),
-    ) {
-        let [nx, ny, _] = self.field.region().extent();
-        let start = self.place([0, y as i64, z as i64]);
-        for (group, &set) in bits.iter().enumerate().filter(|(_, set)| **set != 0) {
-            let x = group * LANES;
-            let (gx, xx) = self.differences(simd, 0, start + x, 1);
-            let (gy, yy) = self.differences(simd, 1, start + x, nx);
-            let (gz, zz) = self.differences(simd, 2, start + x, nx * ny);
-            let slot = |row: usize, slice: i64| slopes.place(row, slice) + x;
-            let (row, slice) = (y + SIDE, z as i64);
-            let across_rows = |n: usize| (slot(row - n, slice), slot(row + n, slice));
-            let across_slices = |n: usize| (slot(row, slice - n as i64), slot(row, slice + n as i64));
-            let xy = antisymmetric(simd, &slopes.along_x, &self.weights[1].first, across_rows);
-            let xz = antisymmetric(simd, &slopes.along_x, &self.weights[2].first, across_slices);
-            let yz = antisymmetric(simd, &slopes.along_y, &self.weights[2].first, across_slices);
-            let phi = lanes(simd, self.field.values(), start + x);
-            let columns = [phi, gx, gy, gz, xx, yy, zz, xy, xz, yz].map(SimdBase::to_array);
-            let [i, j, k] = self.tile.lower;
-            let first = [i + x as i64, j + y as i64, k + z as i64];
-            voxels.push_group(first, set, &columns, visit);
-        }
-    }
-}
-
-impl Slopes {
-    fn new(row: usize, rows: usize) -> Self {
-        let slice = row * rows;
-        Self { along_x: vec![0.0; KEPT * slice], along_y: vec![0.0; KEPT * slice], row, slice }
-    }
-
-    /// Where the slopes of a row begin; rows count from the reach before the tile on, slices from the tile's first.
-    fn place(&self, row: usize, slice: i64) -> usize {
-        slice.rem_euclid(KEPT as i64) as usize * self.slice + row * self.row
-    }
-}
-
-#[inline(always)]
-fn lanes<S: Simd>(simd: S, values: &[f32], start: usize) -> f32x8<S> {
-    f32x8::from_slice(simd, &values[start..][..LANES])
-}
-
-/// The sum of weights times differences of two groups of lanes, the nearest first.
-#[inline(always)]
-fn antisymmetric<S: Simd>(
-    simd: S,
-    values: &[f32],
-    weights: &[f32; SIDE],
-    pair: impl Fn(usize) -> (usize, usize),
-) -> f32x8<S> {
-    let mut sums = f32x8::splat(simd, 0.0);
-    for n in 0..SIDE {
-        let (before, behind) = pair(n + 1);
-        let difference = lanes(simd, values, behind) - lanes(simd, values, before);
-        sums = difference.mul_add_precise(weights[n], sums);
-    }
-    sums
-}
-
-/// The largest f32 that is not above a value: a comparison with it is one with the value.
-fn below(value: f64) -> f32 {
-    let nearest = value as f32;
-    if f64::from(nearest) > value { nearest.next_down() } else { nearest }
 }

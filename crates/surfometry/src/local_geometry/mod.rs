@@ -6,6 +6,7 @@ mod finite_difference;
 mod gaussian_derivatives;
 mod interpolation;
 mod jet;
+mod matched_band;
 mod matched_difference;
 mod matched_weights;
 mod stencil;
