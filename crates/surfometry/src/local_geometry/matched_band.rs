@@ -161,22 +161,13 @@ impl<'a> Slice<'a> {
         let starts = windows.starts();
         let centre = &values[start..][..width];
         let [phi, gx, gy, gz, xx, yy, zz, xy, xz, yz] = &mut self.numbers;
-        for (((&at, phi), gx), xx) in starts.iter().zip(lanes_of(phi)).zip(lanes_of(gx)).zip(lanes_of(xx)) {
-            let row = Neighbourhood::new(centre, at);
-            phi.copy_from_slice(&row.values[SIDE..SIDE + LANES]);
-            row.first(simd, &x.first).store_slice(gx);
-            row.second(simd, &x.second).store_slice(xx);
-        }
-        for ((&at, gy), xy) in starts.iter().zip(lanes_of(gy)).zip(lanes_of(xy)) {
-            let row = Neighbourhood::new(along_y, at);
-            gy.copy_from_slice(&row.values[SIDE..SIDE + LANES]);
-            row.first(simd, &x.first).store_slice(xy);
-        }
         let along_z = &self.along_z[row * width..][..width];
-        for ((&at, gz), xz) in starts.iter().zip(lanes_of(gz)).zip(lanes_of(xz)) {
-            let row = Neighbourhood::new(along_z, at);
-            gz.copy_from_slice(&row.values[SIDE..SIDE + LANES]);
-            row.first(simd, &x.first).store_slice(xz);
+        values_and_slopes(simd, centre, &x.first, starts, [phi, gx]);
+        values_and_slopes(simd, along_y, &x.first, starts, [gy, xy]);
+        values_and_slopes(simd, along_z, &x.first, starts, [gz, xz]);
+        let (inner, along_row) = within(centre);
+        for (&at, xx) in starts.iter().zip(lanes_of(xx)) {
+            symmetric(simd, inner, &along_row, &x.second, at - SIDE).store_slice(xx);
         }
         for (&at, yy) in starts.iter().zip(lanes_of(yy)) {
             symmetric(simd, centre, &across_rows, &y.second, at).store_slice(yy);
@@ -233,7 +224,7 @@ impl Windows {
     }
 }
 
-/// The rows at equal distances before and behind one: -1, 1, -2, 2 and so on.
+/// The rows at equal distances before and behind one, or with a stride of 1 the same row's values there: -1, 1, -2, 2 and so on.
 #[inline(always)]
 fn neighbours(values: &[f32], start: usize, stride: usize, width: usize) -> [&[f32]; NEIGHBOURS] {
     let mut rows = [&values[..0]; NEIGHBOURS];
@@ -253,7 +244,7 @@ fn lanes<S: Simd>(simd: S, row: &[f32], at: usize) -> f32x8<S> {
     f32x8::from_slice(simd, &row[at..at + LANES])
 }
 
-/// The sum of weights times differences across rows, the nearest first.
+/// The sum of weights times differences of rows, the nearest first.
 #[inline(always)]
 fn antisymmetric<S: Simd>(
     simd: S,
@@ -287,42 +278,27 @@ fn symmetric<S: Simd>(
     sum
 }
 
-/// A window of a row with the voxels on both sides.
-struct Neighbourhood<'a> {
-    values: &'a [f32; LANES + NEIGHBOURS],
+/// A row without the `SIDE` values at its ends, and those beside each value of it.
+#[inline(always)]
+fn within(row: &[f32]) -> (&[f32], [&[f32]; NEIGHBOURS]) {
+    let width = row.len() - NEIGHBOURS;
+    (&row[SIDE..][..width], neighbours(row, SIDE, 1, width))
 }
 
-impl<'a> Neighbourhood<'a> {
-    #[inline(always)]
-    fn new(row: &'a [f32], at: usize) -> Self {
-        let values = row[at - SIDE..][..LANES + NEIGHBOURS].try_into().expect("of this length");
-        Self { values }
-    }
-
-    #[inline(always)]
-    fn lanes<S: Simd>(&self, simd: S, at: usize) -> f32x8<S> {
-        f32x8::from_slice(simd, &self.values[at..at + LANES])
-    }
-
-    #[inline(always)]
-    fn first<S: Simd>(&self, simd: S, weights: &[f32; SIDE]) -> f32x8<S> {
-        let mut sum = f32x8::splat(simd, 0.0);
-        for n in 0..SIDE {
-            let difference = self.lanes(simd, SIDE + n + 1) - self.lanes(simd, SIDE - n - 1);
-            sum = difference.mul_add_precise(weights[n], sum);
-        }
-        sum
-    }
-
-    #[inline(always)]
-    fn second<S: Simd>(&self, simd: S, weights: &[f32; SIDE]) -> f32x8<S> {
-        let centre = self.lanes(simd, SIDE);
-        let mut sum = f32x8::splat(simd, 0.0);
-        for n in 0..SIDE {
-            let (before, behind) = (self.lanes(simd, SIDE - n - 1), self.lanes(simd, SIDE + n + 1));
-            sum = ((behind - centre) + (before - centre)).mul_add_precise(weights[n], sum);
-        }
-        sum
+/// Windows of a row, and of its first differences along itself.
+#[inline(always)]
+fn values_and_slopes<S: Simd>(
+    simd: S,
+    row: &[f32],
+    weights: &[f32; SIDE],
+    starts: &[usize],
+    [values, slopes]: [&mut [f32]; 2],
+) {
+    let (inner, along_row) = within(row);
+    for ((&at, value), slope) in starts.iter().zip(lanes_of(values)).zip(lanes_of(slopes)) {
+        let at = at - SIDE;
+        value.copy_from_slice(&inner[at..at + LANES]);
+        antisymmetric(simd, &along_row, weights, at).store_slice(slope);
     }
 }
 
