@@ -270,7 +270,14 @@ fn convolve<S: Simd>(simd: S, terms: Terms<'_>, kinds: [Kind; 2], [first, second
         // Several groups at once, because each waits for its own sum. (No closures here: they would not be compiled for the
         // vectors.)
         let left = (length - from).div_ceil(LANES);
-        let groups = if left == 4 { 2 } else { left.min(3) };
+        let groups = if both && <S::f32s as SimdBase<S>>::LEN < LANES {
+            // Half as many registers of half the width: two rows of one group fill them.
+            1
+        } else if left == 4 {
+            2
+        } else {
+            left.min(3)
+        };
         match (both, groups) {
             (true, 1) => convolve_pair::<1, S>(simd, terms, from, first, second),
             (true, 2) => convolve_pair::<2, S>(simd, terms, from, first, second),

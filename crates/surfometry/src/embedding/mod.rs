@@ -6,11 +6,13 @@ mod gaussian;
 mod given;
 mod kernel;
 mod point_kernel;
+mod precision;
 mod separable;
 
 pub use distance::DistanceEmbedding;
 pub use gaussian::GaussianEmbedding;
 pub use kernel::{GaussianKernel, TRUNCATION, TRUNCATION_OF_BLUR};
+pub use precision::Precision;
 pub(crate) use separable::Separable;
 
 use crate::tiling::{Block, IndexBox};
@@ -18,7 +20,7 @@ use crate::tiling::{Block, IndexBox};
 /// A field that can be had on any box of voxels.
 pub trait Embedding: Sync {
     /// Precision in which the field is kept.
-    type Value: Copy + Into<f64> + Send;
+    type Value: Precision;
 
     /// A box outside which no voxel can have |phi| <= `half_width` or phi < 0.
     fn support(&self, half_width: f64) -> IndexBox;

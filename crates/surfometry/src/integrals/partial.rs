@@ -1,6 +1,7 @@
 //! What one tile adds to the integrals, and how tiles add up.
 
 use super::{Band, Quadrature};
+use crate::embedding::Precision;
 use crate::local_geometry::{BandVoxels, Curvature, Differentiation, Jet, TileField};
 use crate::tiling::{Block, ExactSum, IndexBox};
 use fearless_simd::{Level, dispatch};
@@ -139,24 +140,24 @@ impl Partial {
 
     /// Counts the voxels inside; the weight of those that the band does not reach, whose Heaviside is 1.
     #[inline(always)]
-    fn add_inside<T: Copy + Into<f64>>(
+    fn add_inside<T: Precision>(
         &mut self,
         field: &Block<T>,
         tile: &IndexBox,
         half_width: f64,
         weights: &Weights,
     ) -> f64 {
+        let (surface, band) = (T::at_most(0.0), -T::at_most(half_width));
         let mut beyond = 0.0;
         for (y, z) in tile.rows() {
             let start = field.offset([tile.lower[0], y, z]);
             let row = &field.values()[start..][..tile.extent()[0]];
-            self.inside_voxels += row.iter().map(|&p| u64::from(p.into() < 0.0)).sum::<u64>();
-            let outside_band = |&p: &T| p.into() < -half_width;
+            self.inside_voxels += u64::from(count_below(row, surface));
             beyond += weights.row(y, z)
                 * if weights.uniform {
-                    row.iter().map(|p| u64::from(outside_band(p))).sum::<u64>() as f64
+                    f64::from(count_below(row, band))
                 } else {
-                    weights.x.iter().zip(row).filter(|(_, p)| outside_band(p)).map(|(w, _)| w).sum()
+                    weights.x.iter().zip(row).filter(|&(_, &p)| p < band).map(|(w, _)| w).sum()
                 };
         }
         beyond
@@ -182,6 +183,11 @@ impl Partial {
     pub fn surface(&self, cell_volume: f64) -> SurfaceIntegrals {
         self.surface.value().map(|sum| sum * cell_volume)
     }
+}
+
+#[inline(always)]
+fn count_below<T: Precision>(row: &[T], bound: T) -> u32 {
+    row.iter().map(|&p| u32::from(p < bound)).sum()
 }
 
 /// Sums over the band of one tile.

@@ -3,6 +3,7 @@
 use super::BandVoxels;
 use super::band_voxels::GROUP as LANES;
 use super::matched_weights::{CentralWeights, SIDE};
+use crate::embedding::Precision;
 use crate::tiling::{Block, IndexBox};
 use fearless_simd::{Level, dispatch, f32x8, prelude::*};
 
@@ -103,19 +104,17 @@ impl<'a> Slice<'a> {
     #[inline(always)]
     fn find_band<S: Simd>(&mut self, simd: S, z: i64) -> bool {
         let [nx, ny, _] = self.tile.extent();
-        let half_width = f32x8::splat(simd, below(self.pass.half_width));
+        let half_width = f32x8::splat(simd, f32::at_most(self.pass.half_width));
         let within: RowSet = ((1 << nx) - 1) << SIDE;
         let mut any = 0;
         for row in SIDE..SIDE + ny {
             let start = self.start(row, z) + SIDE;
             let values = &self.pass.field.values()[start..][..self.width - NEIGHBOURS];
-            let mut set = 0;
-            for (group, phi) in values.chunks_exact(LANES).enumerate() {
-                let phi = f32x8::from_slice(simd, phi);
-                let bits = phi.abs().simd_le(half_width).to_bitmask() as u8;
-                set |= RowSet::from(bits) << (SIDE + group * LANES);
+            let mut groups = [0; MOST_WINDOWS];
+            for (group, phi) in groups.iter_mut().zip(values.chunks_exact(LANES)) {
+                *group = f32x8::from_slice(simd, phi).abs().simd_le(half_width).to_bitmask() as u8;
             }
-            self.band[row] = set & within;
+            self.band[row] = RowSet::from_le_bytes(groups) << SIDE & within;
             any |= self.band[row];
         }
         any != 0
@@ -300,12 +299,6 @@ fn values_and_slopes<S: Simd>(
         value.copy_from_slice(&inner[at..at + LANES]);
         antisymmetric(simd, &along_row, weights, at).store_slice(slope);
     }
-}
-
-/// The largest f32 that is not above a value: a comparison with it is one with the value.
-fn below(value: f64) -> f32 {
-    let nearest = value as f32;
-    if f64::from(nearest) > value { nearest.next_down() } else { nearest }
 }
 
 #[cfg(test)]

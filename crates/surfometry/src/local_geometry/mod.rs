@@ -22,7 +22,7 @@ pub(crate) use matched_difference::matched_weights;
 pub(crate) use matched_weights::CentralWeights;
 pub use stencil::MINIMUM_POINTS;
 
-use crate::embedding::Embedding;
+use crate::embedding::{Embedding, Precision};
 use crate::tiling::{Block, IndexBox};
 
 /// A scheme that differentiates an embedding near its surface.
@@ -101,12 +101,13 @@ pub enum TileField<D: Differentiation + ?Sized> {
 }
 
 /// Indices of a tile where |phi| <= `half_width`, in memory order.
-fn band_indices<T: Copy + Into<f64>>(field: &Block<T>, tile: &IndexBox, half_width: f64) -> Vec<[i64; 3]> {
+fn band_indices<T: Precision>(field: &Block<T>, tile: &IndexBox, half_width: f64) -> Vec<[i64; 3]> {
     let mut indices = Vec::new();
+    let bound = T::at_most(half_width);
     for (y, z) in tile.rows() {
         let start = field.offset([tile.lower[0], y, z]);
         for (x, &value) in (tile.lower[0]..tile.upper[0]).zip(&field.values()[start..]) {
-            if value.into().abs() <= half_width {
+            if value <= bound && -value <= bound {
                 indices.push([x, y, z]);
             }
         }

@@ -2,6 +2,7 @@
 
 use super::cell::{EDGE_BASES, edge_corners};
 use super::triangulation::{CellSink, SIMPLE_CELLS, fill_by_values};
+use crate::embedding::Precision;
 use crate::tiling::{Block, IndexBox};
 use fearless_simd::{Level, dispatch};
 
@@ -40,7 +41,7 @@ impl TileMesh {
     ///
     /// # References
     /// Lorensen and Cline 1987; Nielson and Hamann 1991; Chernyaev 1995, whose 33 cases these rules give without a table.
-    pub(crate) fn of<T: Copy + Into<f64>>(field: &Block<T>, tile: &IndexBox, limits: &IndexBox) -> Self {
+    pub(crate) fn of<T: Precision>(field: &Block<T>, tile: &IndexBox, limits: &IndexBox) -> Self {
         let mut builder = Builder::new(field, tile, limits);
         let region = builder.region;
         builder.edges_of_slice(region.lower[2]);
@@ -87,7 +88,7 @@ struct Builder<'a, T> {
     mesh: TileMesh,
 }
 
-impl<'a, T: Copy + Into<f64>> Builder<'a, T> {
+impl<'a, T: Precision> Builder<'a, T> {
     fn new(field: &'a Block<T>, tile: &IndexBox, limits: &IndexBox) -> Self {
         let region = IndexBox::new(tile.lower, tile.upper.map(|u| u + 1)).intersection(limits);
         let [nx, ny, _] = region.extent();
@@ -200,7 +201,7 @@ struct Cell<'b, 'a, T> {
     z: i64,
 }
 
-impl<T: Copy + Into<f64>> Cell<'_, '_, T> {
+impl<T: Precision> Cell<'_, '_, T> {
     fn index(&self) -> [i64; 3] {
         let lower = self.builder.region.lower;
         [lower[0] + self.at[0] as i64, lower[1] + self.at[1] as i64, self.z]
@@ -239,7 +240,7 @@ impl<T: Copy + Into<f64>> Cell<'_, '_, T> {
     }
 }
 
-impl<T: Copy + Into<f64>> CellSink for Cell<'_, '_, T> {
+impl<T: Precision> CellSink for Cell<'_, '_, T> {
     fn vertex_on(&self, edge: u8) -> u32 {
         let [i, j, k] = EDGE_BASES[edge as usize];
         let place = (self.at[1] + j) * self.builder.nx + self.at[0] + i;
@@ -269,7 +270,7 @@ impl<T: Copy + Into<f64>> CellSink for Cell<'_, '_, T> {
 
 /// Bits of the rows of a region, y fastest.
 #[inline(always)]
-fn bits_of_rows<T: Copy + Into<f64>>(field: &Block<T>, region: &IndexBox) -> Vec<RowBits> {
+fn bits_of_rows<T: Precision>(field: &Block<T>, region: &IndexBox) -> Vec<RowBits> {
     let [nx, ny, nz] = region.extent();
     let mut rows = Vec::with_capacity(ny * nz);
     for z in region.lower[2]..region.upper[2] {
@@ -283,12 +284,13 @@ fn bits_of_rows<T: Copy + Into<f64>>(field: &Block<T>, region: &IndexBox) -> Vec
 
 /// A bit for each value below 0: eight at a time, their bytes gathered into one by a multiplication.
 #[inline(always)]
-fn negative_bits<T: Copy + Into<f64>>(row: &[T]) -> RowBits {
+fn negative_bits<T: Precision>(row: &[T]) -> RowBits {
+    let zero = T::at_most(0.0);
     let mut bits = 0;
     for (number, values) in row.chunks(8).enumerate() {
         let mut bytes = [0u8; 8];
         for (byte, &value) in bytes.iter_mut().zip(values) {
-            *byte = u8::from(value.into() < 0.0);
+            *byte = u8::from(value < zero);
         }
         let gathered = u64::from_le_bytes(bytes).wrapping_mul(0x0102_0408_1020_4080) >> 56;
         bits |= RowBits::from(gathered) << (8 * number);
