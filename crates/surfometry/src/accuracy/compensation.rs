@@ -24,6 +24,9 @@ pub struct CompensatedIntegrals {
 /// large by `variance` M and A by `variance` int K (Steiner), and M is right because its second derivative along the
 /// normal vanishes.
 ///
+/// `sigma` is 0 where the embedding has no leading shift ([`GaussianEmbedding::corrected`](crate::embedding::GaussianEmbedding::corrected)): then
+/// the band's part alone is taken off.
+///
 /// What is left is of order sigma^4 / R^4: on a ball up to 0.2 % at R = 5 sigma, 3 % at R = 2.5 sigma. Valid at level
 /// 0.5 only.
 pub fn compensate(plain: &Integrals, sigma: f64, variance: f64) -> CompensatedIntegrals {

@@ -1,12 +1,18 @@
 //! Scale, compensation of the blur's shift, and warnings.
 
 mod compensation;
+mod curvature_scale;
 mod flags;
+mod local_errors;
 mod scale;
+mod uncertainty;
 
 pub use compensation::{CompensatedIntegrals, compensate};
+pub use curvature_scale::{PILOT_SPACINGS, auto_curvature_sigma, rms_spacing};
 pub use flags::{Evidence, Flag, FlagCode, raise_flags};
+pub use local_errors::{CurvatureErrors, LocalErrorModel};
 pub use scale::{
     AUTO_SIGMA_SPACINGS, AUTO_THICKNESS_SPACINGS, auto_sigma, auto_thickness, auto_thickness_of_blur,
     band_variance, epsilon_of_blur, thickness_of_blur,
 };
+pub use uncertainty::{ErrorModel, IntegralErrors};

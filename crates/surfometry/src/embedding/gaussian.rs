@@ -1,13 +1,15 @@
-//! The paper's embedding: the blurred indicator.
+//! The blurred indicator: the paper's embedding, and the one whose leading shift is taken off.
 
 use super::blur::Blur;
 use super::point_kernel::{PointDerivatives, PointKernel};
-use super::{Embedding, Separable};
-use crate::tiling::{Block, IndexBox};
+use super::separable::{Orders, Separable};
+use super::{EdgeProfile, Embedding};
+use crate::tiling::{Block, IndexBox, Pool};
 use crate::volume::Mask;
 use std::sync::OnceLock;
 
-/// phi = T - G_sigma * I, with I the indicator of the object (Besler et al., the "proposed embedding").
+/// phi = T - G_sigma * I, with I the indicator of the object (Besler et al., the "proposed embedding"), or a combination of two such blurs
+/// ([`GaussianEmbedding::corrected`]).
 ///
 /// Beyond the object's bounding box I is 0 without limit, so an image border changes nothing. Valid where the
 /// object and its gaps are wider than about 3 sigma; thinner parts shrink or vanish.
@@ -16,6 +18,16 @@ pub struct GaussianEmbedding<'a> {
     mask: &'a Mask,
     sigma: f64,
     level: f64,
+    terms: Vec<Term>,
+    /// Fields of terms before they are combined.
+    work: Pool<Vec<f32>>,
+}
+
+/// A blur, and its share in the field.
+#[derive(Debug)]
+struct Term {
+    weight: f64,
+    sigma: f64,
     truncation: f64,
     blur: Blur,
     /// Made when first asked for: differences of the blur need neither.
@@ -26,16 +38,31 @@ pub struct GaussianEmbedding<'a> {
 impl<'a> GaussianEmbedding<'a> {
     /// The embedding of a mask with sigma in mm and level T; kernels are cut at `truncation` sigma.
     pub fn new(mask: &'a Mask, sigma: f64, level: f64, truncation: f64) -> Self {
+        Self::of_profile(mask, &EdgeProfile::blurred(sigma), level, truncation)
+    }
+
+    /// The embedding without the leading shift of its zero level, at level 0.5: phi - sigma d phi / d sigma, which is
+    /// phi - sigma^2 Laplacian(phi), as a difference of two blurs, (sqrt 2 phi_sigma - phi_(sqrt 2 sigma)) / (sqrt 2 - 1).
+    ///
+    /// At a curved surface the blurred indicator is off 1/2 by a series in odd powers of sigma, whose first term this cancels. So the zero level
+    /// stands where the object's surface was, up to sigma^4 (on a ball up to exp(-2 R^2 / sigma^2)), and curvature there is the object's.
+    /// Noise is 2.6 times that of the plain blur of the same sigma (FACTS 0), wherefore sigma should be larger.
+    pub fn corrected(mask: &'a Mask, sigma: f64, truncation: f64) -> Self {
+        Self::of_profile(mask, &EdgeProfile::corrected(sigma), 0.5, truncation)
+    }
+
+    pub(crate) fn of_profile(mask: &'a Mask, profile: &EdgeProfile, level: f64, truncation: f64) -> Self {
         let spacing = mask.grid().spacing().mm();
-        Self {
-            mask,
+        let term = |&(weight, sigma): &(f64, f64)| Term {
+            weight,
             sigma,
-            level,
             truncation,
             blur: Blur::new(sigma, spacing, truncation),
             convolution: OnceLock::new(),
             at_points: OnceLock::new(),
-        }
+        };
+        let terms = profile.terms().iter().map(term).collect();
+        Self { mask, sigma: profile.sigma(), level, terms, work: Pool::default() }
     }
 
     /// The object.
@@ -43,7 +70,7 @@ impl<'a> GaussianEmbedding<'a> {
         self.mask
     }
 
-    /// Standard deviation of the blur, mm.
+    /// Standard deviation of the (first) blur, mm.
     pub fn sigma(&self) -> f64 {
         self.sigma
     }
@@ -55,17 +82,69 @@ impl<'a> GaussianEmbedding<'a> {
 
     /// The blurred indicator and its derivatives at a fractional voxel index.
     pub(crate) fn convolve_at(&self, point: [f64; 3]) -> PointDerivatives {
-        let kernel =
-            self.at_points.get_or_init(|| PointKernel::new(self.sigma, self.spacing(), self.truncation));
-        kernel.convolve(self.mask, point)
+        let mut total = [0.0; 10];
+        for term in &self.terms {
+            let kernel =
+                term.at_points.get_or_init(|| PointKernel::new(term.sigma, self.spacing(), term.truncation));
+            let found = kernel.convolve(self.mask, point);
+            total.iter_mut().zip(found).for_each(|(sum, value)| *sum += term.weight * value);
+        }
+        total
     }
 
-    pub(crate) fn convolution(&self) -> &Separable {
-        self.convolution.get_or_init(|| Separable::new(self.sigma, self.spacing(), self.truncation))
+    /// Derivatives of the blurred indicator on a box, slice by slice; an n-th one in units of 1 / sigma^n.
+    pub(crate) fn for_each_slice(
+        &self,
+        region: &IndexBox,
+        orders: &[Orders],
+        mut visit: impl FnMut(i64, &[Vec<f32>]),
+    ) {
+        let [first, others @ ..] = self.terms.as_slice() else { return };
+        // By term, slice and order.
+        let rest: Vec<Vec<Vec<Vec<f32>>>> = others
+            .iter()
+            .map(|term| {
+                let mut slices = Vec::new();
+                let keep = |_, planes: &[Vec<f32>]| slices.push(planes.to_vec());
+                self.convolution(term).for_each_slice(self.mask, region, orders, keep);
+                slices
+            })
+            .collect();
+        self.convolution(first).for_each_slice(self.mask, region, orders, |z, planes| {
+            if others.is_empty() {
+                return visit(z, planes);
+            }
+            let mut sums = planes.to_vec();
+            for (n, sum) in sums.iter_mut().enumerate() {
+                for value in sum.iter_mut() {
+                    *value *= first.weight as f32;
+                }
+                for (term, slices) in others.iter().zip(&rest) {
+                    // Each term's derivatives come in units of its own sigma.
+                    let order = orders[n].iter().sum::<usize>() as i32;
+                    let weight = (term.weight * (self.sigma / term.sigma).powi(order)) as f32;
+                    let plane = &slices[(z - region.lower[2]) as usize][n];
+                    sum.iter_mut().zip(plane).for_each(|(value, other)| *value += weight * other);
+                }
+            }
+            visit(z, &sums);
+        });
+    }
+
+    fn convolution<'t>(&self, term: &'t Term) -> &'t Separable {
+        term.convolution.get_or_init(|| Separable::new(term.sigma, self.spacing(), term.truncation))
     }
 
     fn spacing(&self) -> [f64; 3] {
         self.mask.grid().spacing().mm()
+    }
+
+    /// How far the widest blur reaches.
+    fn reach(&self) -> [i64; 3] {
+        self.terms
+            .iter()
+            .map(|term| term.blur.halo())
+            .fold([0; 3], |a, b| std::array::from_fn(|n| a[n].max(b[n])))
     }
 }
 
@@ -73,22 +152,34 @@ impl Embedding for GaussianEmbedding<'_> {
     type Value = f32;
 
     fn support(&self, _half_width: f64) -> IndexBox {
-        self.mask.bounds().grown(self.blur.halo())
+        self.mask.bounds().grown(self.reach())
     }
 
     fn halo(&self, _half_width: f64) -> [i64; 3] {
-        self.blur.halo()
+        self.reach()
     }
 
     fn evaluate_in(&self, storage: Vec<f32>, region: &IndexBox, _half_width: f64) -> Block<f32> {
         let level = self.level as f32;
         let mut phi = Block::reusing(storage, *region, level);
-        self.blur.subtract_from(level, self.mask, region, phi.values_mut());
+        let [first, others @ ..] = self.terms.as_slice() else { return phi };
+        first.blur.subtract_from(level, self.mask, region, phi.values_mut());
+        for other in others {
+            // Weights add up to 1: sums of differences from one field leave constants exact.
+            let weight = (1.0 - other.weight) as f32;
+            self.work.with(|field| {
+                field.resize(region.voxels(), 0.0);
+                other.blur.subtract_from(level, self.mask, region, field);
+                for (phi, &other) in phi.values_mut().iter_mut().zip(field.iter()) {
+                    *phi = other + weight * (*phi - other);
+                }
+            });
+        }
         phi
     }
 
     fn constant_on(&self, region: &IndexBox, _half_width: f64) -> Option<f64> {
-        let inside = self.mask.uniform_in(&region.grown(self.blur.halo()))?;
+        let inside = self.mask.uniform_in(&region.grown(self.reach()))?;
         Some(if inside { self.level - 1.0 } else { self.level })
     }
 }

@@ -2,6 +2,7 @@
 
 mod blur;
 mod distance;
+mod edge_profile;
 mod gaussian;
 mod given;
 mod kernel;
@@ -10,10 +11,10 @@ mod precision;
 mod separable;
 
 pub use distance::DistanceEmbedding;
+pub use edge_profile::EdgeProfile;
 pub use gaussian::GaussianEmbedding;
 pub use kernel::{GaussianKernel, TRUNCATION, TRUNCATION_OF_BLUR};
 pub use precision::Precision;
-pub(crate) use separable::Separable;
 
 use crate::tiling::{Block, IndexBox};
 

@@ -40,6 +40,8 @@ pub struct Integrals {
     pub volume: f64,
     /// Integrals over the surface.
     pub surface: SurfaceIntegrals,
+    /// Area whose normal lies within a degree of the grid's x, y and z axis, mm^2: flat faces along the voxels, as where an image cuts an object.
+    pub faces: [f64; 3],
     /// Voxels with phi < 0.
     pub inside_voxels: u64,
     /// Voxels that the delta weighs.
@@ -59,6 +61,7 @@ impl Integrals {
         Self {
             volume: whole.volume() * spacing.cell_volume(),
             surface: whole.surface(spacing.cell_volume()),
+            faces: whole.faces(spacing.cell_volume()),
             inside_voxels: whole.inside_voxels,
             band_voxels: whole.band_voxels,
             voxels_without_normal: whole.voxels_without_normal,

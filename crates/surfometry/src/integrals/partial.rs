@@ -81,6 +81,12 @@ surface_integrals! {
     mean_squared = |c| c.mean * c.mean;
     /// Integral of H K, 1/mm: how total mean curvature changes along the normal.
     mean_times_gaussian = |c| c.mean * c.gaussian;
+    /// Integral of the square of the larger principal curvature: over the area, 1 / R^2 of the radius of curvature that a blur has to respect.
+    larger_squared = |c| c.larger() * c.larger();
+    /// Integral of its fourth power, 1/mm^2: what the blur leaves after compensation goes with it.
+    larger_fourth = |c| c.larger().powi(4);
+    /// Integral of its sixth power, 1/mm^4: as that, where the surface turns within a few sigma.
+    larger_sixth = |c| c.larger().powi(6);
 }
 
 /// A part of an object's integrals, in units of voxels, that can be merged with any other part in any order.
@@ -91,6 +97,7 @@ surface_integrals! {
 pub struct Partial {
     volume: ExactSum,
     surface: SurfaceSums,
+    faces: [ExactSum; 3],
     /// Voxels with phi < 0.
     pub inside_voxels: u64,
     /// Voxels that the delta weighs.
@@ -131,6 +138,9 @@ impl Partial {
                 });
                 partial.volume.add(beyond + sums.volume.iter().sum::<f64>());
                 partial.surface.add(&sums.surface.total());
+                for (face, lanes) in partial.faces.iter_mut().zip(&sums.faces) {
+                    face.add(lanes.iter().sum());
+                }
                 partial.band_voxels = sums.voxels;
                 partial.voxels_without_normal = sums.without_normal;
             }
@@ -168,6 +178,7 @@ impl Partial {
     pub fn merged(mut self, other: &Self) -> Self {
         self.volume.merge(&other.volume);
         self.surface.merge(&other.surface);
+        self.faces.iter_mut().zip(&other.faces).for_each(|(face, more)| face.merge(more));
         self.inside_voxels += other.inside_voxels;
         self.band_voxels += other.band_voxels;
         self.voxels_without_normal += other.voxels_without_normal;
@@ -177,6 +188,11 @@ impl Partial {
     /// Volume in voxels.
     pub fn volume(&self) -> f64 {
         self.volume.value()
+    }
+
+    /// Area of the surface along the slices across each axis, for voxels of the given volume.
+    pub fn faces(&self, cell_volume: f64) -> [f64; 3] {
+        self.faces.each_ref().map(|face| face.value() * cell_volume)
     }
 
     /// Surface integrals for voxels of the given volume.
@@ -190,12 +206,17 @@ fn count_below<T: Precision>(row: &[T], bound: T) -> u32 {
     row.iter().map(|&p| u32::from(p < bound)).sum()
 }
 
+/// Cosine of one degree.
+const ALONG_AXIS: f64 = 0.999_847_7;
+
 /// Sums over the band of one tile.
 #[derive(Default)]
 struct BandSums {
     /// Of theta(-phi).
     volume: Lanes,
     surface: LaneSums,
+    /// Area whose normal is an axis of the grid, within a degree.
+    faces: [Lanes; 3],
     voxels: u64,
     without_normal: u64,
 }
@@ -234,9 +255,14 @@ impl BandSums {
                 hessian: std::array::from_fn(|n| columns[4 + n][lane]),
             };
             let gradient = jet.gradient_magnitude();
+            let along_axis = ALONG_AXIS * gradient;
             let curvature = Curvature::formula(&jet);
             let stands = band.stands(gradient) & curvature.is_finite();
             areas[lane] = if stands { weight[lane] * delta[lane] * gradient } else { 0.0 };
+            for axis in 0..3 {
+                let along = jet.gradient[axis].abs() >= along_axis;
+                self.faces[axis][lane] += if along { areas[lane] } else { 0.0 };
+            }
             without[lane] = if stands { 0.0 } else { 1.0 };
             curvatures[lane] = Curvature {
                 mean: if stands { curvature.mean } else { 0.0 },

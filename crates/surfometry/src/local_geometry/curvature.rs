@@ -51,6 +51,12 @@ impl Curvature {
         Self { mean: 0.5 * h * inverse * inverse * square.sqrt(), gaussian: k * inverse * inverse }
     }
 
+    /// The larger of |k1| and |k2|, |H| + sqrt(H^2 - K), 1/mm.
+    #[inline(always)]
+    pub fn larger(&self) -> f64 {
+        self.mean.abs() + (self.mean * self.mean - self.gaussian).max(0.0).sqrt()
+    }
+
     /// k1 >= k2, 1/mm. H^2 - K, which rounding can make negative at umbilics, is clamped at 0.
     pub fn principal(&self) -> [f64; 2] {
         let root = libm::sqrt((self.mean * self.mean - self.gaussian).max(0.0));

@@ -56,8 +56,7 @@ impl<'a> Differentiation for GaussianDerivatives<'a> {
             let hull = indices.iter().fold(IndexBox::EMPTY, |hull, &i| hull.hull(&IndexBox::voxel(i)));
             let mut rest = indices;
             let nx = hull.extent()[0];
-            let convolution = self.embedding.convolution();
-            convolution.for_each_slice(self.embedding.mask(), &hull, &DERIVATIVES, |z, planes| {
+            self.embedding.for_each_slice(&hull, &DERIVATIVES, |z, planes| {
                 let (slice, others) = rest.split_at(rest.partition_point(|i| i[2] <= z));
                 rest = others;
                 for &index in slice {
@@ -114,7 +113,7 @@ impl GaussianDerivatives<'_> {
         let Some(hull) = hull_of_points(points).map(|hull| hull.grown([3; 3])) else { return Vec::new() };
         let mut blocks: [Block<f32>; 10] = std::array::from_fn(|_| Block::filled(hull, 0.0));
         let slice = hull.extent()[0] * hull.extent()[1];
-        self.embedding.convolution().for_each_slice(self.embedding.mask(), &hull, &ORDERS, |z, planes| {
+        self.embedding.for_each_slice(&hull, &ORDERS, |z, planes| {
             let start = (z - hull.lower[2]) as usize * slice;
             for (block, plane) in blocks.iter_mut().zip(planes) {
                 block.values_mut()[start..][..slice].copy_from_slice(plane);

@@ -1,5 +1,6 @@
 //! Parameters -> all stages -> result.
 
+mod local_curvature;
 mod object;
 mod parameters;
 mod pass;
@@ -10,6 +11,7 @@ mod streaming;
 mod voxel_map;
 mod voxels;
 
+pub use local_curvature::CurvatureScale;
 pub use object::Object;
 pub use parameters::{Derivatives, EmbeddingKind, MeasureError, Parameters};
 pub use result::{

@@ -3,9 +3,9 @@
 use super::scheme::Scheme;
 use super::setup::{Setup, Totals};
 use super::{EmbeddingKind, MeasureError, Measured, Measurement, Parameters, PlainValues, UncertainValues};
-use crate::integrals::{Band, Quadrature, SmearedDelta};
+use crate::integrals::{Band, Integrals, Quadrature, SmearedDelta};
 use crate::local_geometry::{FiniteDifferences, MINIMUM_POINTS};
-use crate::surface::Surface;
+use crate::surface::{Surface, VertexExtras};
 use crate::tiling::IndexBox;
 use crate::volume::{FieldImage, Grid, Mask, VolumeError};
 use std::borrow::Cow;
@@ -105,17 +105,32 @@ impl Object<'_> {
 
     /// The surface phi = 0 with the geometry at its vertices; empty where the blur left nothing.
     pub fn surface(&self) -> Surface {
-        let shift = self.setup.parameters.compensable_sigma();
-        self.scheme
-            .as_ref()
-            .map(|scheme| scheme.surface(self.grid(), &self.setup.band, shift))
-            .unwrap_or_default()
+        let Some(scheme) = &self.scheme else { return Surface::default() };
+        let (parameters, mask) = (self.setup.parameters, &*self.mask);
+        let uncorrected = Setup { parameters: parameters.uncorrected(), ..self.setup };
+        let plain =
+            (parameters.embedding == EmbeddingKind::Corrected).then(|| Scheme::of_part(&uncorrected, mask));
+        let plain_jets =
+            |points: &[[f64; 3]]| plain.as_ref().map(|plain| plain.jets(points)).unwrap_or_default();
+        let kind = match parameters.sigma_mm {
+            Some(sigma) if plain.is_some() => {
+                VertexExtras::Errors { sigma, spacing: self.grid().spacing(), plain_jets: &plain_jets }
+            }
+            _ => parameters.shift_sigma().map_or(VertexExtras::None, |sigma| VertexExtras::Shift { sigma }),
+        };
+        scheme.surface(self.grid(), &self.setup.band, &kind)
     }
 
     /// The integrals alone, plain and compensated, without mesh, topology and flags.
     pub fn integrals(&self) -> (PlainValues, UncertainValues) {
         let sums = self.scheme.as_ref().map(|s| s.sums(&self.setup.pass(false))).unwrap_or_default();
         self.setup.values(&sums)
+    }
+
+    /// The integrals as they were summed; `None` where nothing is inside the level set.
+    pub(super) fn plain_integrals(&self) -> Option<Integrals> {
+        let sums = self.scheme.as_ref().map(|s| s.sums(&self.setup.pass(false))).unwrap_or_default();
+        self.setup.surviving(&sums)
     }
 
     /// All numbers.

@@ -4,6 +4,7 @@ use super::Measurement;
 use crate::accuracy::{
     auto_sigma, auto_thickness, auto_thickness_of_blur, epsilon_of_blur, thickness_of_blur,
 };
+use crate::embedding::EdgeProfile;
 use crate::integrals::{QuadratureRule, Smearing};
 use crate::local_geometry::MatchedDifferences;
 use crate::volume::{Spacing, VolumeError};
@@ -17,10 +18,22 @@ pub enum EmbeddingKind {
     /// The blurred indicator (the paper).
     #[default]
     Gaussian,
+    /// The blurred indicator without the leading shift of its surface: curvature and position of the original object.
+    Corrected,
     /// Signed distance to the voxel faces (the baseline that the paper rejects).
     Distance,
     /// The input is the field.
     Given,
+}
+
+impl EmbeddingKind {
+    /// A flat edge after the blur of an embedding that has one.
+    pub(super) fn profile(self, sigma: f64) -> EdgeProfile {
+        match self {
+            Self::Corrected => EdgeProfile::corrected(sigma),
+            _ => EdgeProfile::blurred(sigma),
+        }
+    }
 }
 
 /// How the field is differentiated.
@@ -119,6 +132,8 @@ pub struct Parameters {
     pub level: Option<f64>,
     /// Half-width of the delta in units of phi.
     pub epsilon: f64,
+    /// Blur of the corrected embedding in which the surface is mapped, mm, where it is mapped in one of its own.
+    pub curvature_sigma_mm: Option<f64>,
 }
 
 impl Parameters {
@@ -135,7 +150,7 @@ impl Parameters {
             return Err(MeasureError::Conflict("thickness and epsilon say the same thing: give one of them"));
         }
         match m.embedding {
-            EmbeddingKind::Gaussian => Self::of_blur(m, spacing),
+            EmbeddingKind::Gaussian | EmbeddingKind::Corrected => Self::of_blur(m, spacing),
             kind => Self::without_blur(m, spacing, kind),
         }
     }
@@ -143,14 +158,23 @@ impl Parameters {
     fn of_blur(m: &Measurement, spacing: Spacing) -> Result<Self, MeasureError> {
         let sigma = m.sigma.unwrap_or_else(|| auto_sigma(spacing));
         let saturation = saturation_at(m.level);
-        let given = m.thickness.or_else(|| m.epsilon.map(|epsilon| thickness_of_blur(sigma, epsilon)));
-        let thickness = given.unwrap_or_else(|| auto_thickness_of_blur(spacing, sigma, saturation));
-        let epsilon = m.epsilon.unwrap_or_else(|| epsilon_of_blur(sigma, thickness));
-        if epsilon >= saturation {
+        let profile = m.embedding.profile(sigma);
+        if m.embedding == EmbeddingKind::Corrected && m.level != 0.5 {
+            return Err(MeasureError::Conflict(
+                "the corrected embedding takes the shift off that a surface at level 0.5 has: leave the level at 0.5",
+            ));
+        }
+        // Where eps is no value of the profile, the check below says so.
+        let thickness_of = |epsilon: f64| thickness_of_blur(&profile, epsilon);
+        let given = m.thickness.or_else(|| m.epsilon.map(thickness_of));
+        let thickness = given.unwrap_or_else(|| auto_thickness_of_blur(spacing, &profile, saturation));
+        let epsilon = m.epsilon.unwrap_or_else(|| epsilon_of_blur(&profile, thickness));
+        // The corrected profile comes down again: a thickness beyond its first way to 1/2 stands for no band.
+        if epsilon >= saturation || thickness > thickness_of(saturation) {
             return Err(MeasureError::BandTooWide { level: m.level, epsilon, saturation });
         }
         Ok(Self {
-            embedding: EmbeddingKind::Gaussian,
+            embedding: m.embedding,
             derivatives: derivatives_of_blur(m, sigma, spacing)?,
             quadrature: m.quadrature,
             delta: m.delta,
@@ -158,6 +182,7 @@ impl Parameters {
             thickness_mm: thickness,
             level: Some(m.level),
             epsilon,
+            curvature_sigma_mm: None,
         })
     }
 
@@ -168,7 +193,7 @@ impl Parameters {
     ) -> Result<Self, MeasureError> {
         if matches!(m.derivatives, Some(Derivatives::Gaussian | Derivatives::Matched)) {
             return Err(MeasureError::Conflict(
-                "Gaussian and matched derivatives belong to the Gaussian embedding; the distance and given embeddings are \
+                "Gaussian and matched derivatives belong to the Gaussian and corrected embeddings; the distance and given embeddings are \
                  differentiated by finite differences",
             ));
         }
@@ -184,6 +209,7 @@ impl Parameters {
             thickness_mm: thickness,
             level: None,
             epsilon: thickness / 2.0,
+            curvature_sigma_mm: None,
         })
     }
 
@@ -204,9 +230,25 @@ impl Parameters {
         self.level.map_or(f64::INFINITY, saturation_at)
     }
 
-    /// sigma where compensation is defined: the Gaussian embedding at level 0.5.
+    /// The blur whose shift is to be compensated, 0 where it is taken off already; `None` where that is not defined.
     pub(super) fn compensable_sigma(&self) -> Option<f64> {
-        self.sigma_mm.filter(|_| self.level == Some(0.5))
+        let sigma = self.sigma_mm.filter(|_| self.level == Some(0.5))?;
+        Some(if self.embedding == EmbeddingKind::Corrected { 0.0 } else { sigma })
+    }
+
+    /// The blur of which each vertex is told how far it has moved.
+    pub(super) fn shift_sigma(&self) -> Option<f64> {
+        self.compensable_sigma().filter(|&sigma| sigma > 0.0)
+    }
+
+    /// The same with the blur alone.
+    pub(super) fn uncorrected(self) -> Self {
+        Self { embedding: EmbeddingKind::Gaussian, ..self }
+    }
+
+    /// A flat edge as the embedding has it; `None` without a blur.
+    pub(super) fn profile(&self) -> Option<EdgeProfile> {
+        self.sigma_mm.map(|sigma| self.embedding.profile(sigma))
     }
 }
 

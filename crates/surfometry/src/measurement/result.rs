@@ -1,7 +1,7 @@
 //! What a measurement gives; names and units as in the JSON contract (DESIGN.md 4).
 
 use super::Parameters;
-use crate::accuracy::{CompensatedIntegrals, Flag};
+use crate::accuracy::{CompensatedIntegrals, Flag, IntegralErrors};
 use crate::integrals::Integrals;
 use crate::phantoms::Truth;
 use crate::surface::SurfaceSummary;
@@ -10,9 +10,9 @@ use crate::volume::Grid;
 use serde::Serialize;
 use std::f64::consts::TAU;
 
-/// Fields that stay null in this version.
-pub(super) const NOT_COMPUTED: &str =
-    "not computed by this version, hence null: compensated.standard_error, grid_noise";
+/// Where there is no model of errors.
+pub(super) const NO_ERRORS: &str = "standard errors are modelled for the Gaussian and the corrected embedding at level 0.5, Gaussian or matched derivatives, the sum, \
+     and a sigma of at least 1.2 voxels (geometric mean); compensated.standard_error and grid_noise are null";
 
 /// All results for one object. `None` is a number that could not be had; a flag says why.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -93,6 +93,21 @@ impl PlainValues {
     }
 }
 
+impl PlainValues {
+    /// What the grid makes of each.
+    pub(super) fn of_noise(e: &IntegralErrors) -> Self {
+        Self {
+            volume_mm3: Some(e.volume),
+            surface_area_mm2: Some(e.area),
+            total_mean_curvature_mm: Some(e.mean),
+            average_mean_curvature_per_mm: Some(e.average),
+            total_gaussian_curvature: Some(e.gaussian),
+            euler_characteristic: Some(e.gaussian / TAU),
+            total_squared_mean_curvature: Some(e.mean_squared),
+        }
+    }
+}
+
 /// Time in each stage, s, summed over threads.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct StageSeconds {
@@ -132,14 +147,20 @@ pub struct UncertainValues {
 }
 
 impl UncertainValues {
-    pub(super) fn of(c: &CompensatedIntegrals) -> Self {
+    pub(super) fn of(c: &CompensatedIntegrals, errors: Option<&IntegralErrors>) -> Self {
         let values = CompensatedValues {
             volume_mm3: Some(c.volume),
             surface_area_mm2: Some(c.area),
             total_mean_curvature_mm: Some(c.mean),
             average_mean_curvature_per_mm: Some(c.mean / c.area),
         };
-        Self { values, standard_error: CompensatedValues::default() }
+        let error = |e: &IntegralErrors| CompensatedValues {
+            volume_mm3: Some(e.volume),
+            surface_area_mm2: Some(e.area),
+            total_mean_curvature_mm: Some(e.mean),
+            average_mean_curvature_per_mm: Some(e.average),
+        };
+        Self { values, standard_error: errors.map(error).unwrap_or_default() }
     }
 }
 

@@ -7,8 +7,10 @@ use crate::embedding::{
     DistanceEmbedding, Embedding, GaussianEmbedding, GaussianKernel, TRUNCATION, TRUNCATION_OF_BLUR,
 };
 use crate::integrals::Band;
-use crate::local_geometry::{Differentiation, FiniteDifferences, GaussianDerivatives, MatchedDifferences};
-use crate::surface::Surface;
+use crate::local_geometry::{
+    Differentiation, FiniteDifferences, GaussianDerivatives, Jet, MatchedDifferences,
+};
+use crate::surface::{Surface, VertexExtras};
 use crate::tiling::IndexBox;
 use crate::volume::{FieldImage, Grid, Mask};
 
@@ -63,10 +65,11 @@ impl<'a> Scheme<'a> {
     /// Of a mask that may be a part of the object.
     pub(super) fn of_part(setup: &Setup, mask: &'a Mask) -> Self {
         let (parameters, spacing) = (&setup.parameters, setup.grid.spacing().mm());
-        let Some(sigma) = parameters.sigma_mm else {
+        let Some(profile) = parameters.profile() else {
             return Self::Distance(FiniteDifferences::new(DistanceEmbedding::new(mask), spacing));
         };
-        let embedding = GaussianEmbedding::new(mask, sigma, setup.measurement.level, truncation_of(setup));
+        let embedding =
+            GaussianEmbedding::of_profile(mask, &profile, setup.measurement.level, truncation_of(setup));
         match parameters.derivatives {
             Derivatives::Gaussian => Self::Gaussian(GaussianDerivatives::new(embedding)),
             Derivatives::Matched => Self::Matched(match setup.weights {
@@ -90,9 +93,13 @@ impl<'a> Scheme<'a> {
         with_scheme!(self, s => pass.sums(s))
     }
 
-    /// `shift_sigma` is the blur whose shift is told at each vertex, where that is defined.
-    pub(super) fn surface(&self, grid: &Grid, band: &Band, shift_sigma: Option<f64>) -> Surface {
-        with_scheme!(self, s => Surface::of(s, grid, band, shift_sigma))
+    pub(super) fn surface(&self, grid: &Grid, band: &Band, extras: &VertexExtras) -> Surface {
+        with_scheme!(self, s => Surface::of(s, grid, band, extras))
+    }
+
+    /// The field's derivatives at points near each other.
+    pub(super) fn jets(&self, points: &[[f64; 3]]) -> Vec<Jet> {
+        with_scheme!(self, s => s.jets(points))
     }
 }
 
@@ -117,5 +124,7 @@ fn vanishes_for_certain(setup: &Setup, mask: &Mask, sigma: f64) -> bool {
             GaussianKernel::new(sigma, spacing[a], 0, truncation_of(setup)).largest_sum(extent[a])
         }
     };
-    (0..3).map(share).product::<f64>() < setup.measurement.level * (1.0 - 1e-6)
+    // Of a combination, what is taken off may be nothing.
+    let weight = setup.parameters.embedding.profile(sigma).terms()[0].0;
+    weight * (0..3).map(share).product::<f64>() < setup.measurement.level * (1.0 - 1e-6)
 }

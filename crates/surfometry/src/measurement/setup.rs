@@ -2,15 +2,15 @@
 
 use super::pass::{ObjectSums, Pass};
 use super::result::{
-    GridSummary, Measured, MeshSummary, NOT_COMPUTED, PlainValues, StageSeconds, TopologySummary,
+    GridSummary, Measured, MeshSummary, NO_ERRORS, PlainValues, StageSeconds, TopologySummary,
     UncertainValues,
 };
 use super::voxels::VoxelCounts;
 use super::{Derivatives, EmbeddingKind, MeasureError, Measurement, Parameters};
 use crate::accuracy::{
-    CompensatedIntegrals, Evidence, Flag, FlagCode, band_variance, compensate, raise_flags,
+    CompensatedIntegrals, ErrorModel, Evidence, Flag, FlagCode, band_variance, compensate, raise_flags,
 };
-use crate::integrals::{Band, Integrals, Quadrature, SmearedDelta};
+use crate::integrals::{Band, Integrals, Quadrature, QuadratureRule, SmearedDelta};
 use crate::local_geometry::{CentralWeights, matched_weights};
 use crate::surface::SurfaceSummary;
 use crate::topology::{TopologyCounter, VoxelTopology};
@@ -40,6 +40,9 @@ pub(super) struct Totals {
     pub(super) integrated: Duration,
     pub(super) topology_time: Duration,
 }
+
+/// Least sigma, in geometric means of the spacings, for which errors are modelled.
+const LEAST_SIGMA: f64 = 1.2;
 
 impl Setup {
     /// For objects that are masks.
@@ -78,7 +81,7 @@ impl Setup {
         let compensated = self.compensated(surviving);
         (
             surviving.map_or_else(PlainValues::default, |i| PlainValues::of(&i)),
-            compensated.map_or_else(UncertainValues::default, |c| UncertainValues::of(&c)),
+            self.uncertain(surviving, compensated),
         )
     }
 
@@ -92,12 +95,15 @@ impl Setup {
         let evidence = self.evidence(surviving, compensated, mesh, &topology, voxels.volume_mm3);
         let mut flags = self.parameter_flags(self.grid.is_touched_by(totals.voxels.bounds()));
         flags.extend(raise_flags(&evidence));
-        flags.push(Flag::new(FlagCode::NotComputed, NOT_COMPUTED));
+        let model = surviving.and_then(|integrals| self.error_model(&integrals));
+        if model.is_none() && surviving.is_some_and(|integrals| integrals.has_surface()) {
+            flags.push(Flag::new(FlagCode::NotComputed, NO_ERRORS));
+        }
         let compensated = compensated.filter(|_| !evidence.compensation_failed());
         Measured {
             plain: surviving.map_or_else(PlainValues::default, |i| PlainValues::of(&i)),
-            compensated: compensated.map_or_else(UncertainValues::default, |c| UncertainValues::of(&c)),
-            grid_noise: PlainValues::default(),
+            compensated: self.uncertain(surviving, compensated),
+            grid_noise: model.map_or_else(PlainValues::default, |m| PlainValues::of_noise(&m.grid_noise())),
             mesh: mesh.map_or_else(MeshSummary::default, |mesh| MeshSummary::of(&mesh)),
             voxels,
             topology: TopologySummary::of(&topology, mesh.as_ref()),
@@ -112,7 +118,7 @@ impl Setup {
     }
 
     /// The integrals; `None` where nothing is inside the level set.
-    fn surviving(&self, sums: &ObjectSums) -> Option<Integrals> {
+    pub(super) fn surviving(&self, sums: &ObjectSums) -> Option<Integrals> {
         let integrals = Integrals::of(&sums.integrals, self.grid.spacing());
         (integrals.inside_voxels > 0).then_some(integrals)
     }
@@ -120,7 +126,28 @@ impl Setup {
     fn compensated(&self, integrals: Option<Integrals>) -> Option<CompensatedIntegrals> {
         let sigma = self.parameters.compensable_sigma()?;
         let integrals = integrals.filter(Integrals::has_surface)?;
-        Some(compensate(&integrals, sigma, band_variance(sigma, self.band.delta())))
+        let variance = band_variance(&self.parameters.profile()?, self.band.delta());
+        Some(compensate(&integrals, sigma, variance))
+    }
+
+    fn uncertain(
+        &self,
+        plain: Option<Integrals>,
+        compensated: Option<CompensatedIntegrals>,
+    ) -> UncertainValues {
+        let errors =
+            plain.and_then(|integrals| self.error_model(&integrals)).map(|model| model.compensated());
+        compensated.map_or_else(UncertainValues::default, |c| UncertainValues::of(&c, errors.as_ref()))
+    }
+
+    /// How far integrals are from exact; `None` where that was not studied.
+    fn error_model(&self, plain: &Integrals) -> Option<ErrorModel> {
+        let (p, spacing) = (&self.parameters, self.grid.spacing());
+        let sigma = p
+            .sigma_mm
+            .filter(|&sigma| p.level == Some(0.5) && sigma >= LEAST_SIGMA * spacing.geometric_mean())?;
+        let studied = p.derivatives != Derivatives::FiniteDifference && p.quadrature == QuadratureRule::Sum;
+        (studied && plain.has_surface()).then(|| ErrorModel::new(spacing, sigma, p.thickness_mm, plain))
     }
 
     fn evidence(
@@ -134,6 +161,7 @@ impl Setup {
         Evidence {
             spacing: self.grid.spacing(),
             distance: self.parameters.embedding == EmbeddingKind::Distance,
+            corrected: self.parameters.embedding == EmbeddingKind::Corrected,
             sigma: self.parameters.sigma_mm,
             thickness: self.parameters.thickness_mm,
             epsilon: self.parameters.epsilon,
@@ -155,7 +183,7 @@ impl Setup {
             flags.push(Flag::new(FlagCode::TouchesBorder, "the object reaches the edge of the image and is closed there with a flat cap, which counts in volume, area and curvature"));
         }
         if self.parameters.compensable_sigma().is_none() {
-            flags.push(Flag::new(FlagCode::CompensationUndefined, "compensation is defined for the Gaussian embedding at level 0.5 only, so `compensated` is null"));
+            flags.push(Flag::new(FlagCode::CompensationUndefined, "compensation is defined for the Gaussian and the corrected embedding at level 0.5 only, so `compensated` is null"));
         }
         flags
     }

@@ -37,13 +37,15 @@ fn combine<const N: usize>(terms: [(f64, Vector); N]) -> Vector {
     std::array::from_fn(|a| terms.iter().map(|(factor, v)| factor * v[a]).sum())
 }
 
-/// V, A, M and total K.
+/// V, A, M, total K, and how strongly the surface is curved.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Sums {
     pub(crate) volume: f64,
     pub(crate) area: f64,
     pub(crate) mean: f64,
     pub(crate) gaussian: f64,
+    /// Of the square of the larger principal curvature.
+    pub(crate) larger_squared: f64,
 }
 
 impl Sums {
@@ -53,6 +55,7 @@ impl Sums {
             area: self.area + other.area,
             mean: self.mean + other.mean,
             gaussian: self.gaussian + other.gaussian,
+            larger_squared: self.larger_squared + other.larger_squared,
         }
     }
 }
@@ -218,6 +221,7 @@ fn curved_triangle<S: Shape + ?Sized>(shape: &S, [a, b, c]: [Vertex; 3]) -> Sums
                     area,
                     mean: area * curvature.mean,
                     gaussian: area * curvature.gaussian,
+                    larger_squared: area * curvature.larger().powi(2),
                 });
             }
         }

@@ -14,6 +14,7 @@ mod pose;
 mod primitives;
 mod rounded_box;
 mod spec;
+mod surface_point;
 mod torus;
 
 pub use ellipsoid::Ellipsoid;
@@ -24,6 +25,7 @@ pub use pose::Pose;
 pub use primitives::{Ball, Capsule, Shell, TwoBalls};
 pub use rounded_box::RoundedBox;
 pub use spec::{NAMES as PHANTOM_NAMES, ParsePhantomError};
+pub use surface_point::SurfacePoint;
 pub use torus::Torus;
 
 use crate::local_geometry::Jet;
@@ -95,6 +97,19 @@ impl Truth {
             total_gaussian_curvature: std::f64::consts::TAU * euler_characteristic as f64,
             euler_characteristic,
         }
+    }
+}
+
+impl Truth {
+    /// Of the shape made larger by a factor.
+    #[must_use]
+    pub fn scaled(&self, factor: f64) -> Self {
+        Self::new(
+            self.volume * factor.powi(3),
+            self.surface_area * factor * factor,
+            self.total_mean_curvature * factor,
+            self.euler_characteristic,
+        )
     }
 }
 

@@ -6,7 +6,7 @@ use super::{
     ColorScale, Figure, HistogramPicture, HistogramSeries, PictureError, Quantity, ScaleKind, Slice,
     SlicePicture, SurfacePicture, View, VolumeRendering,
 };
-use crate::measurement::{Object, VoxelQuantity};
+use crate::measurement::{EmbeddingKind, Object, VoxelQuantity};
 use crate::surface::{LocalQuantity, Surface};
 use crate::tiling::{Block, IndexBox};
 use crate::volume::Affine;
@@ -134,6 +134,9 @@ const OUTER_BINS: &str = "The outer bins hold all that lies beyond.";
 fn caption(object: &Object, remark: &str) -> String {
     let parameters = object.parameters();
     let how = match (parameters.sigma_mm, parameters.level) {
+        (Some(sigma), _) if parameters.embedding == EmbeddingKind::Corrected => {
+            format!("Corrected embedding, sigma {} mm: the original surface", significant(sigma, 4))
+        }
         (Some(sigma), Some(level)) => {
             format!("Gaussian blur, sigma {} mm, level {level}", significant(sigma, 4))
         }

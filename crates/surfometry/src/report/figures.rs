@@ -51,7 +51,7 @@ impl ObjectReport {
         let scene = Scene::of(surface, room);
         let draw = |kind, quantity| {
             let style = PictureStyle { quantity, limit: None, views: VIEWS.to_vec(), title: String::new() };
-            Ok::<_, PictureError>(picture(kind, &source.object, surface, &style)?.svg().to_owned())
+            Ok::<_, PictureError>(picture(kind, source.local(), surface, &style)?.svg().to_owned())
         };
         let shown: &[LocalQuantity] = if surface.is_empty() { &[] } else { &DRAWN };
         Ok(Self {

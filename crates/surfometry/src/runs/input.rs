@@ -4,7 +4,7 @@ use super::{Record, visit_objects};
 use crate::accuracy::{Flag, FlagCode};
 use crate::io::{ImageHeader, ReadError, ReadOptions, VoxelStream};
 use crate::measurement::{
-    EmbeddingKind, MeasureError, Measured, Measurement, Progress, StreamError, Streamed,
+    CurvatureScale, EmbeddingKind, MeasureError, Measured, Measurement, Progress, StreamError, Streamed,
 };
 use crate::phantoms::{ParsePhantomError, Phantom, Truth};
 use crate::volume::{FieldImage, LabelGroup, LabelImage, LabelSelection, VolumeError};
@@ -82,6 +82,8 @@ pub struct InputOptions {
     pub labels: LabelSelection,
     /// Spacing in mm that replaces or supplies the file's.
     pub spacing: Option<[f64; 3]>,
+    /// At which blur surfaces are mapped; of no meaning to integrals.
+    pub curvature: CurvatureScale,
 }
 
 /// An opened label input.

@@ -126,7 +126,7 @@ fn voxel_files(
     let mut write = |&quantity: &VoxelQuantity| {
         let path = name(quantity);
         ledger.claim(&path)?;
-        let map = source.object.voxel_map(quantity, &grid.index_box()).ok_or(InputError::NoSurface)?;
+        let map = source.local().voxel_map(quantity, &grid.index_box()).ok_or(InputError::NoSurface)?;
         write_voxel_map(&path, grid, map.values(), quantity.name()).map_err(|e| written(&path, e))?;
         Ok(path)
     };
@@ -147,7 +147,7 @@ fn picture_files(
             _ => with_parts(path, &[kind.option()]),
         };
         ledger.claim(&path)?;
-        let bytes = bytes(&picture(kind, &source.object, source.surface(), &titled)?)?;
+        let bytes = bytes(&picture(kind, source.local(), source.surface(), &titled)?)?;
         write_whole(&path, |out| out.write_all(&bytes)).map_err(|e| written(&path, e))?;
         Ok(path)
     };

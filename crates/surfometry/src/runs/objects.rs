@@ -3,7 +3,7 @@
 use super::input::{field_input, open_labels};
 use super::{Failure, InputError, InputOptions, Record, input_title};
 use crate::accuracy::Flag;
-use crate::measurement::{EmbeddingKind, Measurement, Object};
+use crate::measurement::{CurvatureScale, EmbeddingKind, Measurement, Object};
 use crate::phantoms::Truth;
 use crate::surface::Surface;
 use crate::volume::LabelGroup;
@@ -21,6 +21,8 @@ pub struct InputObject<'a> {
     pub count: usize,
     /// The object.
     pub object: Object<'a>,
+    /// The same in the embedding that its surface is mapped in, where that is another one ([`InputOptions::curvature`]).
+    local: Option<Object<'a>>,
     /// Whether the image holds other labels, so that a name needs this one.
     among_others: bool,
     surface: OnceCell<Surface>,
@@ -39,9 +41,14 @@ impl InputObject<'_> {
         }
     }
 
+    /// The object in the embedding in which its local curvature is measured.
+    pub fn local(&self) -> &Object<'_> {
+        self.local.as_ref().unwrap_or(&self.object)
+    }
+
     /// Its surface, extracted when it is first asked for.
     pub fn surface(&self) -> &Surface {
-        self.surface.get_or_init(|| self.object.surface())
+        self.surface.get_or_init(|| self.local().surface())
     }
 
     /// What is said where something of it could not be had: with its label, where there are several.
@@ -57,6 +64,8 @@ impl InputObject<'_> {
         let mut measured = self.object.measure();
         measured.read_seconds = Some(self.read_seconds);
         measured.truth = self.truth;
+        measured.parameters.curvature_sigma_mm =
+            self.local.as_ref().and_then(|local| local.parameters().sigma_mm);
         measured.flags.splice(0..0, self.flags.iter().cloned());
         Record { input: self.input.to_owned(), label: self.label.clone(), name: None, measured }
     }
@@ -73,6 +82,11 @@ pub fn visit_objects(
     mut visit: impl FnMut(&InputObject) -> Result<(), InputError>,
 ) -> Result<(), InputError> {
     if measurement.embedding == EmbeddingKind::Given {
+        if options.curvature != CurvatureScale::AsMeasured {
+            return Err(InputError::Unfit(
+                "a field has no blur of its own: leave --curvature-sigma out with --embedding given",
+            ));
+        }
         let source = field_input(input, options)?;
         return visit(&InputObject {
             input,
@@ -81,6 +95,7 @@ pub fn visit_objects(
             count: 1,
             among_others: false,
             object: measurement.prepare_field(&source.field)?,
+            local: None,
             surface: OnceCell::new(),
             truth: None,
             flags: &source.flags,
@@ -99,6 +114,10 @@ pub fn visit_objects(
             count,
             among_others: source.image.summaries().len() > 1,
             object: measurement.prepare(&mask)?,
+            local: match options.curvature {
+                CurvatureScale::AsMeasured => None,
+                scale => Some(measurement.for_local_curvature(&mask, scale)?.prepare(&mask)?),
+            },
             surface: OnceCell::new(),
             truth: source.truth,
             flags: &source.flags,

@@ -25,6 +25,7 @@ pub(crate) use mesh::{cross, dot};
 pub(crate) use mesh::{minus, unit};
 pub use quantity::LocalQuantity;
 pub use surface_map::Surface;
+pub(crate) use surface_map::VertexExtras;
 pub(crate) use tile_mesh::TileMesh;
 pub use vertex_array::{VertexArray, VertexValues};
 pub use vertex_geometry::VertexGeometry;

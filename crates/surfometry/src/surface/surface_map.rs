@@ -3,10 +3,11 @@
 use super::isosurface::{cell_limits, stitched};
 use super::tile_mesh::TileMesh;
 use super::{CurvatureSummary, Distribution, LocalQuantity, Mesh, VertexArray, VertexGeometry};
+use crate::accuracy::{CurvatureErrors, LocalErrorModel};
 use crate::integrals::Band;
-use crate::local_geometry::{Differentiation, FieldValue, Jet, TileField};
+use crate::local_geometry::{Curvature, Differentiation, FieldValue, Jet, TileField};
 use crate::tiling::{IndexBox, Pool, TILE};
-use crate::volume::Grid;
+use crate::volume::{Grid, Spacing};
 use rayon::prelude::*;
 
 /// The level set phi = 0: a mesh, and the geometry at each of its vertices, from the field's derivatives there.
@@ -21,19 +22,21 @@ pub struct Surface {
 impl Surface {
     /// Extracts the surface of a scheme's embedding and differentiates it at the vertices, tile by tile, in parallel.
     ///
-    /// `band` says where the gradient has collapsed; `shift_sigma` is the blur that moved the surface by -sigma^2 H (to first
-    /// order), where that is defined.
+    /// `band` says where the gradient has collapsed.
     pub(crate) fn of<D: Differentiation>(
         scheme: &D,
         grid: &Grid,
         band: &Band,
-        shift_sigma: Option<f64>,
+        extras: &VertexExtras,
     ) -> Self {
         let limits = cell_limits(scheme.embedding(), 0.0);
         let storage = Pool::<Vec<FieldValue<D>>>::default();
         let geometry_at = |jet: &Jet| {
             let curvature = band.curvature(jet)?;
-            let displacement = shift_sigma.map(|sigma| -sigma * sigma * curvature.mean);
+            let displacement = match extras {
+                VertexExtras::Shift { sigma } => Some(-sigma * sigma * curvature.mean),
+                _ => None,
+            };
             Some(VertexGeometry::of(jet, curvature, displacement, grid))
         };
         let part = |tile: &IndexBox| {
@@ -45,15 +48,40 @@ impl Surface {
                         mesh.own_vertices().map(|(_, position)| position).collect();
                     let jets = scheme.jets_at(&field, &positions);
                     *memory = field.into_storage();
-                    (mesh, jets.iter().map(geometry_at).collect::<Vec<_>>())
+                    let mut geometry: Vec<_> = jets.iter().map(geometry_at).collect();
+                    if let VertexExtras::Errors { plain_jets, .. } = extras {
+                        add_differences(&mut geometry, &plain_jets(&positions));
+                    }
+                    (mesh, geometry)
                 }
             })
         };
         let (meshes, geometry): (Vec<TileMesh>, Vec<_>) = limits.tiles(TILE).par_iter().map(part).unzip();
         let mesh = stitched(&meshes, grid);
         drop(meshes);
-        let vertices = completed(&mesh, geometry, shift_sigma.map(|_| 0.0));
-        Self { mesh, vertices }
+        let still = matches!(extras, VertexExtras::Shift { .. }).then_some(0.0);
+        let mut surface = Self { vertices: completed(&mesh, geometry, still), mesh };
+        if let VertexExtras::Errors { sigma, spacing, .. } = extras {
+            surface.set_errors(*sigma, *spacing, grid);
+        }
+        surface
+    }
+
+    /// Turns differences to the plain blur into standard errors.
+    fn set_errors(&mut self, sigma: f64, spacing: Spacing, grid: &Grid) {
+        let larger = self.vertices.iter().map(|v| v.curvature.larger().powi(2));
+        let (square, area) = larger
+            .zip(self.weights())
+            .fold((0.0, 0.0), |(square, area), (value, weight)| (square + value * weight, area + weight));
+        let model = LocalErrorModel::new(sigma, spacing, (area / square).sqrt());
+        for vertex in &mut self.vertices {
+            let along_axis = grid.cosine_to_nearest_axis(vertex.normal);
+            let known = vertex.errors.filter(|_| vertex.has_normal);
+            vertex.errors = Some(known.map_or_else(
+                || CurvatureErrors::unknown(spacing),
+                |differences| model.errors(&vertex.curvature, along_axis, differences),
+            ));
+        }
     }
 
     /// Vertices where the field's gradient has collapsed.
@@ -110,6 +138,38 @@ impl Surface {
     /// The surface's curvature in a few numbers; `None` where there is no surface.
     pub fn curvature_summary(&self) -> Option<CurvatureSummary> {
         CurvatureSummary::of(&self.vertices, &self.weights())
+    }
+}
+
+/// What is told at a vertex beside its curvature.
+pub(crate) enum VertexExtras<'a> {
+    /// Nothing.
+    None,
+    /// How far a blur of `sigma` mm moved the surface, -sigma^2 H to first order.
+    Shift {
+        /// mm.
+        sigma: f64,
+    },
+    /// Standard errors of a corrected embedding's curvature.
+    Errors {
+        /// mm.
+        sigma: f64,
+        /// Of the grid.
+        spacing: Spacing,
+        /// The derivatives of the embedding that is not corrected.
+        plain_jets: &'a (dyn Fn(&[[f64; 3]]) -> Vec<Jet> + Sync),
+    },
+}
+
+/// Keeps, in place of standard errors, how far the plain blur's H and K are from the corrected ones.
+fn add_differences(geometry: &mut [Option<VertexGeometry>], plain: &[Jet]) {
+    for (vertex, jet) in geometry.iter_mut().zip(plain) {
+        if let (Some(vertex), Some(plain)) = (vertex, Curvature::of(jet)) {
+            let of = |a: f64, b: f64| (a - b).abs() as f32;
+            let (c, p) = (vertex.curvature, plain);
+            vertex.errors =
+                Some(CurvatureErrors { mean: of(c.mean, p.mean), gaussian: of(c.gaussian, p.gaussian) });
+        }
     }
 }
 

@@ -2,6 +2,7 @@
 
 use super::mesh::{cross, dot, unit};
 use super::{LocalQuantity, VertexArray, VertexValues};
+use crate::accuracy::CurvatureErrors;
 use crate::local_geometry::{Curvature, Jet};
 use crate::volume::Grid;
 use std::f64::consts::FRAC_2_PI;
@@ -19,6 +20,8 @@ pub struct VertexGeometry {
     pub direction_2: [f64; 3],
     /// How far the blur moved the surface here, mm, positive outward: about -sigma^2 H. `None` where that is not defined.
     pub displacement: Option<f64>,
+    /// Standard errors of H and K, where the embedding has a model of them: the corrected one.
+    pub errors: Option<CurvatureErrors>,
     /// Whether the field has a gradient that a surface would have. Where it has collapsed, as half-way through parts that the blur
     /// nearly removed, curvature says nothing, and distributions leave the vertex out.
     pub has_normal: bool,
@@ -29,6 +32,14 @@ type DirectionArray = (&'static str, fn(&VertexGeometry) -> [f64; 3]);
 
 const DIRECTION_ARRAYS: [DirectionArray; 3] =
     [("normal", |g| g.normal), ("direction_1", |g| g.direction_1), ("direction_2", |g| g.direction_2)];
+
+/// An array of standard errors: name and value.
+type ErrorArray = (&'static str, fn(&CurvatureErrors) -> f32);
+
+const ERROR_ARRAYS: [ErrorArray; 2] = [
+    ("mean_curvature_per_mm_standard_error", |e| e.mean),
+    ("gaussian_curvature_per_mm2_standard_error", |e| e.gaussian),
+];
 
 impl VertexGeometry {
     /// From the field's derivatives along the image's axes, and the curvature that follows from them.
@@ -43,6 +54,7 @@ impl VertexGeometry {
             direction_1: world(direction_1),
             direction_2: world(direction_2),
             displacement,
+            errors: None,
             has_normal: true,
         }
     }
@@ -52,7 +64,7 @@ impl VertexGeometry {
         let direction_1 = tangent(normal);
         let curvature = Curvature { mean: 0.0, gaussian: 0.0 };
         let direction_2 = cross(normal, direction_1);
-        Self { normal, curvature, direction_1, direction_2, displacement, has_normal: false }
+        Self { normal, curvature, direction_1, direction_2, displacement, errors: None, has_normal: false }
     }
 
     /// Named columns of many vertices (DESIGN.md 4). A number that any vertex lacks is left out.
@@ -70,6 +82,11 @@ impl VertexGeometry {
         // In the contract's order: H, K, k1, k2, then directions.
         arrays.splice(4..4, directions);
         arrays.insert(0, normal);
+        arrays.extend(ERROR_ARRAYS.into_iter().filter_map(|(name, error)| {
+            let values =
+                vertices.iter().map(|v| v.errors.map(|e| f64::from(error(&e)))).collect::<Option<_>>()?;
+            Some(VertexArray { name, values: VertexValues::Scalar(values) })
+        }));
         arrays
     }
 }

@@ -70,6 +70,15 @@ impl Grid {
         (0..3).any(|a| bounds.lower[a] <= image.lower[a] || bounds.upper[a] >= image.upper[a])
     }
 
+    /// The cosine of the angle between a unit vector of the world and the nearest of the grid's axes.
+    pub(crate) fn cosine_to_nearest_axis(&self, world: [f64; 3]) -> f64 {
+        let along = |a: usize| {
+            let axis = self.affine().column(a);
+            ((0..3).map(|w| world[w] * axis[w]).sum::<f64>() / self.spacing().mm()[a]).abs()
+        };
+        (0..3).map(along).fold(0.0, f64::max)
+    }
+
     /// Index (x, y, z) of the n-th voxel in memory.
     pub fn index_of(&self, offset: usize) -> [usize; 3] {
         let [nx, ny, _] = self.dimensions;
