@@ -18,6 +18,7 @@ pub mod runs;
 pub mod surface;
 pub mod tiling;
 pub mod topology;
+pub mod validation;
 pub mod volume;
 
 pub use measurement::Measurement;

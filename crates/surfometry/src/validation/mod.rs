@@ -1,0 +1,69 @@
+//! The zoo: shapes with exact truth in many poses, and how far the measured numbers are from it.
+
+mod case;
+mod poses;
+mod summary;
+mod zoo;
+
+pub use case::{Case, CaseResult, LocalErrors, RelativeErrors};
+pub use summary::{Summary, summarise};
+pub use zoo::{ZOO, ZooShape};
+
+use crate::measurement::MeasureError;
+use case::Unit;
+use poses::pose;
+use rayon::prelude::*;
+use std::collections::BTreeMap;
+
+/// What is measured.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Validation {
+    /// R = 1 / rms of the larger principal curvature, in units of the largest spacing.
+    pub resolutions: Vec<f64>,
+    /// Ratio of the largest to the smallest spacing; the second of three lies between.
+    pub ratios: Vec<f64>,
+    /// Rotations, shifts and sizes of each shape.
+    pub poses: usize,
+    /// Number of the first pose: poses from another on are held out from whatever was tuned on the first ones.
+    pub first_pose: usize,
+    /// Whether local curvature is looked at too.
+    pub local: bool,
+}
+
+impl Default for Validation {
+    /// R = 10 and 20 voxels, cubic voxels and thick slices, three poses.
+    fn default() -> Self {
+        Self { resolutions: vec![10.0, 20.0], ratios: vec![1.0, 3.0], poses: 3, first_pose: 0, local: true }
+    }
+}
+
+impl Validation {
+    /// All cases, in order: shape by shape, the coarse ones first.
+    pub fn cases(&self) -> Vec<Case> {
+        let mut cases = Vec::new();
+        for shape in &ZOO {
+            for &resolution in &self.resolutions {
+                for &ratio in &self.ratios {
+                    let poses = self.first_pose..self.first_pose + self.poses;
+                    cases.extend(poses.map(|number| Case { shape, resolution, ratio, pose: pose(number) }));
+                }
+            }
+        }
+        cases
+    }
+
+    /// Measures all cases; `progress` is told after each, from whichever thread.
+    ///
+    /// # Errors
+    /// [`MeasureError`] of a case that cannot be measured.
+    pub fn run(&self, progress: impl Fn() + Sync) -> Result<Vec<CaseResult>, MeasureError> {
+        // The truth of a shape is that of its unit, scaled.
+        let units: BTreeMap<_, _> = ZOO.par_iter().map(|shape| (shape.name, Unit::of(shape))).collect();
+        let run = |case: &Case| {
+            let result = case.run(&units[case.shape.name], self.local);
+            progress();
+            result
+        };
+        self.cases().par_iter().map(run).collect()
+    }
+}
