@@ -31,6 +31,8 @@ enum Command {
     Report(commands::report::Args),
     Info(commands::info::Args),
     Phantom(commands::phantom::Args),
+    Sweep(commands::sweep::Args),
+    Validate(commands::validate::Args),
 }
 
 fn main() -> ExitCode {
@@ -48,6 +50,8 @@ fn main() -> ExitCode {
         Command::Report(args) => commands::report::run(&args, cli.quiet),
         Command::Info(args) => commands::info::run(&args),
         Command::Phantom(args) => commands::phantom::run(&args),
+        Command::Sweep(args) => commands::sweep::run(&args, cli.quiet),
+        Command::Validate(args) => commands::validate::run(&args, cli.quiet),
     };
     match outcome {
         Ok(status) => status.into(),

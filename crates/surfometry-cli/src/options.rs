@@ -2,8 +2,10 @@
 
 use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};
+use std::ffi::OsStr;
+use std::path::{Path, PathBuf};
 use surfometry::integrals::{QuadratureRule, Smearing};
-use surfometry::measurement::{Derivatives, EmbeddingKind, Measurement};
+use surfometry::measurement::{CurvatureScale, Derivatives, EmbeddingKind, Measurement};
 use surfometry::runs::InputOptions;
 use surfometry::volume::{LabelSelection, Spacing};
 
@@ -27,10 +29,18 @@ impl Length {
 pub(crate) enum EmbeddingOption {
     /// The blurred mask
     Gaussian,
+    /// Two blurs combined so that the surface does not move: local curvature of the original object
+    Corrected,
     /// Signed distance to the voxel faces: the baseline that the paper rejects
     Distance,
     /// The input is a field phi, negative inside
     Given,
+}
+
+impl EmbeddingOption {
+    fn is_blur(self) -> bool {
+        matches!(self, Self::Gaussian | Self::Corrected)
+    }
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -53,6 +63,58 @@ pub(crate) enum QuadratureOption {
 pub(crate) enum DeltaOption {
     Sine,
     Tanh,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum OutputFormat {
+    Table,
+    Json,
+    Csv,
+}
+
+/// Where results go, in which form.
+#[derive(Debug, Args)]
+pub(crate) struct OutputOptions {
+    /// Form of the results [default: what the ending of -o FILE says, .json or .csv; else table]
+    #[arg(long, value_enum)]
+    format: Option<OutputFormat>,
+    /// File to write instead of stdout; written whole or not at all
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+}
+
+impl OutputOptions {
+    pub(crate) fn path(&self) -> Option<&Path> {
+        self.output.as_deref()
+    }
+
+    pub(crate) fn format(&self) -> OutputFormat {
+        let ending = self.path().and_then(Path::extension).map(OsStr::to_ascii_lowercase);
+        self.format.unwrap_or_else(|| match ending.as_ref().and_then(|e| e.to_str()) {
+            Some("json") => OutputFormat::Json,
+            Some("csv") => OutputFormat::Csv,
+            _ => OutputFormat::Table,
+        })
+    }
+}
+
+/// At which scale surfaces are mapped.
+#[derive(Debug, Args)]
+pub(crate) struct CurvatureOptions {
+    /// Map the surface and its curvature in the corrected embedding, as those of the original object, at this blur in mm; auto = what suits the object's
+    /// curvature and the spacing. Integrals keep --sigma [default: the surface as measured]
+    #[arg(long, value_name = "MM|auto", value_parser = length, allow_hyphen_values = true)]
+    curvature_sigma: Option<Length>,
+}
+
+impl CurvatureOptions {
+    pub(crate) fn scale(&self) -> CurvatureScale {
+        match self.curvature_sigma {
+            None => CurvatureScale::AsMeasured,
+            Some(Length::Auto) => CurvatureScale::Auto,
+            Some(Length::Mm(sigma)) => CurvatureScale::Mm(sigma),
+        }
+    }
 }
 
 /// How and what to measure.
@@ -96,16 +158,17 @@ pub(crate) struct MeasureOptions {
 impl MeasureOptions {
     /// The measurement that the options describe.
     pub(crate) fn measurement(&self) -> Result<Measurement> {
-        let blurred = self.embedding == EmbeddingOption::Gaussian;
+        let blurred = self.embedding.is_blur();
         if !blurred && (self.sigma.is_some() || self.level.is_some()) {
-            bail!("--sigma and --level belong to --embedding gaussian: leave them out");
+            bail!("--sigma and --level belong to --embedding gaussian and corrected: leave them out");
         }
         if !blurred && self.derivatives == Some(DerivativesOption::Gaussian) {
-            bail!("--derivatives gaussian belongs to --embedding gaussian: leave it out");
+            bail!("--derivatives gaussian belongs to --embedding gaussian and corrected: leave it out");
         }
         let mut m = if self.paper { Measurement::paper() } else { Measurement::default() };
         m = m.embedding(match self.embedding {
             EmbeddingOption::Gaussian => EmbeddingKind::Gaussian,
+            EmbeddingOption::Corrected => EmbeddingKind::Corrected,
             EmbeddingOption::Distance => EmbeddingKind::Distance,
             EmbeddingOption::Given => EmbeddingKind::Given,
         });
@@ -143,15 +206,24 @@ impl MeasureOptions {
         Ok(m)
     }
 
+    /// Whether a length or level was given.
+    pub(crate) fn gives(&self, name: &str) -> bool {
+        match name {
+            "sigma" => self.sigma.is_some(),
+            "thickness" => self.thickness.is_some() || self.epsilon.is_some(),
+            _ => self.level.is_some(),
+        }
+    }
+
     /// What is asked of each input.
-    pub(crate) fn inputs(&self) -> InputOptions {
-        InputOptions { labels: self.label.clone(), spacing: self.spacing.map(|s| s.mm()) }
+    pub(crate) fn inputs(&self, curvature: CurvatureScale) -> InputOptions {
+        InputOptions { labels: self.label.clone(), spacing: self.spacing.map(|s| s.mm()), curvature }
     }
 
     /// Whether sigma follows each image's spacing.
     pub(crate) fn sigma_is_automatic(&self) -> bool {
         let explicit = matches!(self.sigma, Some(Length::Mm(_)));
-        self.embedding == EmbeddingOption::Gaussian && !explicit && !(self.paper && self.sigma.is_none())
+        self.embedding.is_blur() && !explicit && !(self.paper && self.sigma.is_none())
     }
 }
 

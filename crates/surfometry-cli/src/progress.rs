@@ -4,7 +4,7 @@ use crate::inputs::grey_image_warning;
 use crate::output::say;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::IsTerminal;
-use surfometry::runs::{Failure, InputError, InputObject};
+use surfometry::runs::{Failure, InputObject};
 
 pub(crate) fn progress_bar(inputs: usize, quiet: bool) -> ProgressBar {
     let shown = !quiet && std::io::stderr().is_terminal();
@@ -23,7 +23,7 @@ pub(crate) fn announce(progress: &ProgressBar, object: &InputObject) {
 }
 
 /// Says above the bar why an input failed, and hands that out for the results.
-pub(crate) fn said_failure(progress: &ProgressBar, input: &str, error: &InputError) -> Failure {
+pub(crate) fn said_failure(progress: &ProgressBar, input: &str, error: &impl std::fmt::Display) -> Failure {
     let failure = Failure::new(input, error);
     progress.suspend(|| say(&failure.to_string()));
     failure

@@ -2,7 +2,7 @@
 
 use super::{ALL_DONE, SOME_FAILED};
 use crate::inputs::expand;
-use crate::options::MeasureOptions;
+use crate::options::{CurvatureOptions, MeasureOptions};
 use crate::output::{check_output, deliver, flags_text, json_text, say};
 use crate::picture_options::{PictureOptions, distinct, one_of};
 use crate::progress::{announce, progress_bar};
@@ -39,6 +39,8 @@ pub(crate) struct Args {
     voxels: Vec<VoxelQuantity>,
     #[command(flatten)]
     pictures: PictureOptions,
+    #[command(flatten)]
+    curvature: CurvatureOptions,
     #[command(flatten)]
     options: MeasureOptions,
 }
@@ -77,7 +79,7 @@ fn is_json(path: &Path) -> bool {
 
 pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
     let measurement = args.options.measurement()?;
-    let wanted = args.options.inputs();
+    let wanted = args.options.inputs(args.curvature.scale());
     let inputs = expand(&args.inputs);
     let targets = Targets::new(args.output.iter().chain(&args.png).cloned(), &inputs)?;
     let style = MapStyle {

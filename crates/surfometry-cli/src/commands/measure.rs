@@ -2,18 +2,17 @@
 
 use super::{ALL_DONE, SOME_FAILED};
 use crate::inputs::{expand, grey_image_warning};
-use crate::options::MeasureOptions;
+use crate::options::{MeasureOptions, OutputFormat, OutputOptions};
 use crate::output::{
     check_output, csv_text, deliver, failures_text, json_text, memory_text, say, table_text, timings_text,
 };
 use crate::progress::{progress_bar, said_failure};
 use anyhow::{Result, bail};
-use clap::ValueEnum;
 use std::cell::Cell;
-use std::ffi::OsStr;
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 use surfometry::Measurement;
+use surfometry::measurement::CurvatureScale;
 use surfometry::runs::{
     Failure, FileLedger, InputError, InputOptions, InputRecords, MapFile, MapStyle, Output, Record,
     distinct_parts, measure_input, visit_objects, with_parts, write_map_files,
@@ -34,12 +33,8 @@ pub(crate) struct Args {
     inputs: Vec<String>,
     #[command(flatten)]
     options: MeasureOptions,
-    /// Form of the results [default: what the ending of -o FILE says, .json or .csv; else table]
-    #[arg(long, value_enum)]
-    format: Option<OutputFormat>,
-    /// File to write instead of stdout; written whole or not at all
-    #[arg(short, long, value_name = "FILE")]
-    output: Option<PathBuf>,
+    #[command(flatten)]
+    results: OutputOptions,
     /// Picture of the surface, coloured by mean curvature; `map` makes others. Where there are several inputs or objects,
     /// `_NAME` and `_label-N` go before the ending
     #[arg(long, value_name = "FILE.png")]
@@ -52,29 +47,11 @@ pub(crate) struct Args {
     verbose: bool,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum OutputFormat {
-    Table,
-    Json,
-    Csv,
-}
-
-impl Args {
-    fn format(&self) -> OutputFormat {
-        let ending = self.output.as_ref().and_then(|path| path.extension()).map(OsStr::to_ascii_lowercase);
-        self.format.unwrap_or_else(|| match ending.as_ref().and_then(|e| e.to_str()) {
-            Some("json") => OutputFormat::Json,
-            Some("csv") => OutputFormat::Csv,
-            _ => OutputFormat::Table,
-        })
-    }
-}
-
 pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
     let measurement = args.options.measurement()?;
-    let wanted = args.options.inputs();
+    let wanted = args.options.inputs(CurvatureScale::AsMeasured);
     let inputs = expand(&args.inputs);
-    check_output(args.output.as_deref(), &inputs)?;
+    check_output(args.results.path(), &inputs)?;
     check_output(args.png.as_deref(), &inputs)?;
     check_picture(args)?;
     let progress = progress_bar(inputs.len(), quiet);
@@ -115,16 +92,16 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
         warn_of_mixed_sigma(&results);
     }
     let output = Output::new(results, failures);
-    let text = match args.format() {
+    let text = match args.results.format() {
         // A terminal has shown the failures already.
-        OutputFormat::Table if args.output.is_none() && std::io::stdout().is_terminal() => {
+        OutputFormat::Table if args.results.path().is_none() && std::io::stdout().is_terminal() => {
             table_text(&output)
         }
         OutputFormat::Table => table_text(&output) + &failures_text(&output),
         OutputFormat::Json => json_text(&output)?,
         OutputFormat::Csv => csv_text(&output)?,
     };
-    deliver(&text, args.output.as_deref())?;
+    deliver(&text, args.results.path())?;
     Ok(if output.failures.is_empty() && all_drawn { ALL_DONE } else { SOME_FAILED })
 }
 
@@ -133,7 +110,7 @@ fn check_picture(args: &Args) -> Result<()> {
     if MapFile::of_path(path) != Some(MapFile::Png) {
         bail!("{}: the picture's name must end in .png", path.display());
     }
-    if args.output.as_ref() == Some(path) {
+    if args.results.path() == Some(path) {
         bail!("{}: named twice, for the results and for the picture", path.display());
     }
     Ok(())

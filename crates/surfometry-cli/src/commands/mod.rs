@@ -5,6 +5,8 @@ pub(crate) mod map;
 pub(crate) mod measure;
 pub(crate) mod phantom;
 pub(crate) mod report;
+pub(crate) mod sweep;
+pub(crate) mod validate;
 
 /// Exit status: everything was done.
 pub(crate) const ALL_DONE: u8 = 0;

@@ -2,7 +2,7 @@
 
 use super::{ALL_DONE, SOME_FAILED};
 use crate::inputs::expand;
-use crate::options::MeasureOptions;
+use crate::options::{CurvatureOptions, MeasureOptions};
 use crate::output::{check_output, deliver, say};
 use crate::progress::{announce, progress_bar, said_failure};
 use anyhow::Result;
@@ -28,12 +28,14 @@ pub(crate) struct Args {
     #[arg(long)]
     title: Option<String>,
     #[command(flatten)]
+    curvature: CurvatureOptions,
+    #[command(flatten)]
     options: MeasureOptions,
 }
 
 pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
     let measurement = args.options.measurement()?;
-    let wanted = args.options.inputs();
+    let wanted = args.options.inputs(args.curvature.scale());
     let inputs = expand(&args.inputs);
     check_output(Some(&args.output), &inputs)?;
     let progress = progress_bar(inputs.len(), quiet);

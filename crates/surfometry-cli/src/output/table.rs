@@ -33,7 +33,7 @@ pub(crate) fn table_text(output: &Output) -> String {
     let by_input = output.results.chunk_by(|a, b| a.input == b.input);
     let mut text = by_input.map(input_text).collect::<Vec<_>>().join("\n");
     if output.results.iter().any(|r| r.measured.parameters.sigma_mm.is_some()) {
-        text += "\nblurred: of the smoothed object; original: with the smoothing's shift undone; voxels: counted. H > 0 on a ball; \
+        text += "\nblurred: of the smoothed object; original: with the smoothing's shift undone, s.e.: its standard error; voxels: counted. H > 0 on a ball; \
                  chi is the surface's (ball 2, torus 0).\n";
     }
     text
@@ -90,7 +90,7 @@ fn rows(record: &Record) -> Vec<Vec<String>> {
         chi(m.euler_characteristic),
         m.topology.euler_characteristic_mesh.map_or_else(|| "-".to_owned(), |chi| chi.to_string()),
     ]];
-    if m.parameters.embedding == EmbeddingKind::Gaussian {
+    if matches!(m.parameters.embedding, EmbeddingKind::Gaussian | EmbeddingKind::Corrected) {
         rows.push(vec![
             String::new(),
             "original".to_owned(),
@@ -99,6 +99,20 @@ fn rows(record: &Record) -> Vec<Vec<String>> {
             number(c.total_mean_curvature_mm),
             number(c.average_mean_curvature_per_mm),
         ]);
+        let e = &c.standard_error;
+        if e.volume_mm3.is_some() {
+            let error = |v: Option<f64>| {
+                v.map_or_else(|| "-".to_owned(), |v| format!("\u{b1} {}", significant(v, 2)))
+            };
+            rows.push(vec![
+                String::new(),
+                "s.e.".to_owned(),
+                error(e.volume_mm3),
+                error(e.surface_area_mm2),
+                error(e.total_mean_curvature_mm),
+                error(e.average_mean_curvature_per_mm),
+            ]);
+        }
     }
     rows.push(vec![
         String::new(),
@@ -129,6 +143,7 @@ const SHOWN_LABELS: usize = 12;
 fn surface_name(embedding: EmbeddingKind) -> &'static str {
     match embedding {
         EmbeddingKind::Gaussian => "blurred",
+        EmbeddingKind::Corrected => "corrected",
         EmbeddingKind::Distance => "distance",
         EmbeddingKind::Given => "given",
     }
@@ -166,14 +181,18 @@ fn shown_labels(raised: &[(&Record, &Flag)]) -> String {
 
 /// Six significant digits, without an exponent where a reader can do without.
 pub(crate) fn digits(value: f64) -> String {
+    significant(value, 6)
+}
+
+fn significant(value: f64, count: i32) -> String {
     if value == 0.0 {
         return "0".to_owned();
     }
     let magnitude = value.abs().log10().floor() as i32;
     if !(-4..15).contains(&magnitude) {
-        return format!("{value:.5e}");
+        return format!("{value:.*e}", (count - 1) as usize);
     }
-    let text = format!("{value:.*}", (5 - magnitude).max(0) as usize);
+    let text = format!("{value:.*}", (count - 1 - magnitude).max(0) as usize);
     if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
 }
 

@@ -1,0 +1,205 @@
+//! `surfometry sweep`.
+
+use super::{ALL_DONE, SOME_FAILED};
+use crate::inputs::expand;
+use crate::options::{MeasureOptions, OutputFormat, OutputOptions};
+use crate::output::{Layout, check_output, csv_text, deliver, digits, failures_text, json_text};
+use crate::progress::{progress_bar, said_failure};
+use anyhow::{Result, bail};
+use clap::ValueEnum;
+use surfometry::Measurement;
+use surfometry::measurement::CurvatureScale;
+use surfometry::runs::{InputError, InputOptions, Output, Record, measure_input};
+
+/// Measure the same objects over a range of sigma, thickness or level
+///
+/// Where a number stays the same over the range it is the object's; where it drifts or jumps, the choice matters: parts are lost, or the grid shows. The
+/// records are those of `measure`, one a value; what is swept stands in their parameters.
+#[derive(Debug, clap::Args)]
+pub(crate) struct Args {
+    /// Files, patterns or phantoms
+    #[arg(required = true, value_name = "INPUT")]
+    inputs: Vec<String>,
+    /// What is swept
+    #[arg(long, value_enum, default_value = "sigma")]
+    over: Swept,
+    /// First and last value, and how many: mm, or the level itself
+    #[arg(long, value_name = "FROM:TO:COUNT", value_parser = range)]
+    range: Range,
+    /// Equal ratios between values, not equal steps
+    #[arg(long)]
+    log: bool,
+    #[command(flatten)]
+    results: OutputOptions,
+    #[command(flatten)]
+    options: MeasureOptions,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Swept {
+    Sigma,
+    Thickness,
+    Level,
+}
+
+impl Swept {
+    fn set(self, measurement: Measurement, value: f64) -> Measurement {
+        match self {
+            Self::Sigma => measurement.sigma_mm(value),
+            Self::Thickness => measurement.thickness_mm(value),
+            Self::Level => measurement.level(value),
+        }
+    }
+
+    fn of(self, record: &Record) -> Option<f64> {
+        let parameters = &record.measured.parameters;
+        match self {
+            Self::Sigma => parameters.sigma_mm,
+            Self::Thickness => Some(parameters.thickness_mm),
+            Self::Level => parameters.level,
+        }
+    }
+
+    fn heading(self) -> &'static str {
+        match self {
+            Self::Sigma => "sigma mm",
+            Self::Thickness => "t mm",
+            Self::Level => "level",
+        }
+    }
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Range {
+    first: f64,
+    last: f64,
+    count: u32,
+}
+
+/// Most values of a sweep.
+const MOST_VALUES: u32 = 1000;
+
+fn range(text: &str) -> Result<Range, String> {
+    let wrong =
+        || format!("`{text}`: write FROM:TO:COUNT, two positive numbers and a count of 2 to {MOST_VALUES}");
+    let [first, last, count] = text.split(':').collect::<Vec<_>>().try_into().map_err(|_| wrong())?;
+    let number =
+        |part: &str| part.parse::<f64>().ok().filter(|v| v.is_finite() && *v > 0.0).ok_or_else(wrong);
+    let count = count.parse().ok().filter(|n| (2..=MOST_VALUES).contains(n)).ok_or_else(wrong)?;
+    Ok(Range { first: number(first)?, last: number(last)?, count })
+}
+
+impl Range {
+    fn values(&self, log: bool) -> Vec<f64> {
+        let share = |n: u32| f64::from(n) / f64::from(self.count - 1);
+        let value = |t: f64| {
+            if log {
+                self.first * (self.last / self.first).powf(t)
+            } else {
+                self.first + t * (self.last - self.first)
+            }
+        };
+        (0..self.count).map(|n| value(share(n))).collect()
+    }
+}
+
+pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
+    let measurement = args.options.measurement()?;
+    if args.options.gives(args.over.to_possible_value().expect("none is skipped").get_name()) {
+        bail!("the same length is swept and given: leave the option out");
+    }
+    let wanted = args.options.inputs(CurvatureScale::AsMeasured);
+    let inputs = expand(&args.inputs);
+    check_output(args.results.path(), &inputs)?;
+    let values = args.range.values(args.log);
+    let progress = progress_bar(inputs.len() * values.len(), quiet);
+    let (mut results, mut failures) = (Vec::new(), Vec::new());
+    for input in &inputs {
+        let mut of_input = Vec::new();
+        for &value in &values {
+            progress.set_message(format!("{input}, {} {}", args.over.heading(), digits(value)));
+            match records(input, &args.over.set(measurement, value), &wanted) {
+                Ok(records) => of_input.extend(records),
+                // A value that makes no sense leaves the others; a file that cannot be read does not change.
+                Err(error @ InputError::Measure(_)) => {
+                    let error = format!("{} {}: {error}", args.over.heading(), digits(value));
+                    failures.push(said_failure(&progress, input, &error));
+                }
+                Err(error) => {
+                    failures.push(said_failure(&progress, input, &error));
+                    break;
+                }
+            }
+            progress.inc(1);
+        }
+        // Object by object, each over the range.
+        of_input.sort_by_key(|record: &Record| record.label.as_ref().map(|label| label.labels().to_vec()));
+        results.extend(of_input);
+    }
+    progress.finish_and_clear();
+    let output = Output::new(results, failures);
+    let text = match args.results.format() {
+        OutputFormat::Table => table(args.over, &output) + &failures_text(&output),
+        OutputFormat::Json => json_text(&output)?,
+        OutputFormat::Csv => csv_text(&output)?,
+    };
+    deliver(&text, args.results.path())?;
+    Ok(if output.failures.is_empty() { ALL_DONE } else { SOME_FAILED })
+}
+
+fn records(input: &str, measurement: &Measurement, wanted: &InputOptions) -> Result<Vec<Record>, InputError> {
+    Ok(measure_input(input, measurement, wanted, |_| {})?.records)
+}
+
+fn table(over: Swept, output: &Output) -> String {
+    let columns = [
+        "label",
+        over.heading(),
+        "V blurred",
+        "original",
+        "\u{b1}",
+        "A blurred",
+        "original",
+        "\u{b1}",
+        "M blurred",
+        "original",
+        "\u{b1}",
+        "chi",
+        "chi mesh",
+        "flags",
+    ];
+    let by_input = output.results.chunk_by(|a, b| a.input == b.input);
+    let text_of = |records: &[Record]| {
+        let mut layout = Layout::new(&columns);
+        for record in records {
+            layout.row(row(over, record));
+        }
+        format!("{}\n{}", records[0].input, layout.text())
+    };
+    let text = by_input.map(text_of).collect::<Vec<_>>().join("\n");
+    text + "\nV mm\u{b3}, A mm\u{b2}, M = total H mm; blurred: of the smoothed object; original: with the smoothing's shift undone, and its standard error.\n"
+}
+
+fn row(over: Swept, record: &Record) -> Vec<String> {
+    let m = &record.measured;
+    let number = |v: Option<f64>| v.map_or_else(|| "-".to_owned(), digits);
+    let rough = |v: Option<f64>| v.map_or_else(|| "-".to_owned(), |v| format!("{v:.2e}"));
+    let (c, e) = (&m.compensated, &m.compensated.standard_error);
+    let codes: Vec<String> = m.flags.iter().map(|flag| flag.code.to_string()).collect();
+    vec![
+        record.label.as_ref().map_or_else(String::new, ToString::to_string),
+        number(over.of(record)),
+        number(m.volume_mm3),
+        number(c.volume_mm3),
+        rough(e.volume_mm3),
+        number(m.surface_area_mm2),
+        number(c.surface_area_mm2),
+        rough(e.surface_area_mm2),
+        number(m.total_mean_curvature_mm),
+        number(c.total_mean_curvature_mm),
+        rough(e.total_mean_curvature_mm),
+        m.euler_characteristic.map_or_else(|| "-".to_owned(), |chi| format!("{chi:.2}")),
+        m.topology.euler_characteristic_mesh.map_or_else(|| "-".to_owned(), |chi| chi.to_string()),
+        codes.join(";"),
+    ]
+}

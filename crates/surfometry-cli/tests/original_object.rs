@@ -1,0 +1,108 @@
+//! Numbers of the original object on the command line: scales, sweeps, the zoo.
+
+use serde_json::Value;
+use std::process::{Command, Output};
+
+const BALL: &str = "phantom:ball?radius=12&shift=0.3,0.2,0.1";
+
+fn run(args: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_surfometry")).args(args).output().expect("the program runs")
+}
+
+fn text(bytes: &[u8]) -> &str {
+    std::str::from_utf8(bytes).expect("UTF-8")
+}
+
+fn json(args: &[&str]) -> Value {
+    let output = run(&[args, &["--format", "json"]].concat());
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    serde_json::from_slice(&output.stdout).expect("JSON")
+}
+
+/// A ball shrinks by the blur, the compensated one stays.
+#[test]
+fn a_sweep_shows_what_depends_on_sigma() {
+    let document = json(&["sweep", BALL, "--over", "sigma", "--range", "1.5:3:4"]);
+    let results = document["results"].as_array().unwrap();
+    let of = |path: [&str; 2]| -> Vec<f64> {
+        results
+            .iter()
+            .map(|r| if path[0].is_empty() { &r[path[1]] } else { &r[path[0]][path[1]] }.as_f64().unwrap())
+            .collect()
+    };
+    assert_eq!(of(["parameters", "sigma_mm"]), [1.5, 2.0, 2.5, 3.0]);
+    let (plain, original) = (of(["", "volume_mm3"]), of(["compensated", "volume_mm3"]));
+    assert!(plain.windows(2).all(|pair| pair[1] < 0.99 * pair[0]), "{plain:?}");
+    let exact = results[0]["truth"]["volume_mm3"].as_f64().unwrap();
+    assert!(original.iter().all(|v| (v / exact - 1.0).abs() < 0.01), "{original:?}");
+    let table = run(&["sweep", BALL, "--range", "1:2:2", "--log"]);
+    assert!(text(&table.stdout).contains("sigma mm"));
+}
+
+#[test]
+fn sweeps_that_make_no_sense() {
+    for args in [
+        ["--over", "sigma", "--range", "1:2:1"],
+        ["--over", "sigma", "--range", "0:2:3"],
+        ["--over", "sigma", "--range", "1:2"],
+    ] {
+        assert_eq!(run(&[&["sweep", BALL], &args[..]].concat()).status.code(), Some(2), "{args:?}");
+    }
+    let twice = run(&["sweep", BALL, "--range", "1:2:3", "--sigma", "2"]);
+    assert_eq!(twice.status.code(), Some(2));
+    // A band too thick for the blur is left out and told; the others are there.
+    let partly = run(&["sweep", BALL, "--over", "thickness", "--range", "2.5:1000:2", "--format", "json"]);
+    assert_eq!(partly.status.code(), Some(1));
+    let document: Value = serde_json::from_slice(&partly.stdout).unwrap();
+    assert_eq!(document["results"].as_array().unwrap().len(), 1);
+    assert!(
+        document["failures"][0]["error"].as_str().unwrap().starts_with("t mm 1000: the band is too wide")
+    );
+}
+
+/// The surface of the original ball, not of the blurred one; its scale is in the record, and each vertex has its errors.
+#[test]
+fn maps_at_a_scale_of_their_own() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let (csv, record) = (file("ball.csv"), file("ball.json"));
+    let ball = "phantom:ball?radius=30&shift=0.3,0.2,0.1";
+    let output = run(&["map", ball, "--curvature-sigma", "auto", "-o", &csv, "-o", &record]);
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    let document: Value = serde_json::from_str(&std::fs::read_to_string(record).unwrap()).unwrap();
+    let parameters = &document["results"][0]["parameters"];
+    assert_eq!(parameters["sigma_mm"], 2.0);
+    let sigma = parameters["curvature_sigma_mm"].as_f64().unwrap();
+    // 0.66 h^(2/7) R^(5/7), R from a pilot.
+    assert!((sigma / (0.66 * 30f64.powf(5.0 / 7.0)) - 1.0).abs() < 0.08, "{sigma}");
+    let lines = std::fs::read_to_string(csv).unwrap();
+    let columns: Vec<&str> = lines.lines().next().unwrap().split(',').collect();
+    let column = |name: &str| columns.iter().position(|c| *c == name).unwrap_or_else(|| panic!("{name}"));
+    let rows: Vec<Vec<f64>> =
+        lines.lines().skip(1).map(|l| l.split(',').map(|v| v.parse().unwrap()).collect()).collect();
+    let mean = |name: &str| rows.iter().map(|row| row[column(name)]).sum::<f64>() / rows.len() as f64;
+    // The ball that is blurred at this sigma has 6 % more.
+    assert!((30.0 * mean("mean_curvature_per_mm") - 1.0).abs() < 0.01);
+    assert!(
+        mean("mean_curvature_per_mm_standard_error") > 0.0
+            && mean("gaussian_curvature_per_mm2_standard_error") > 0.0
+    );
+    assert!(!columns.contains(&"displacement_mm"));
+    let refused =
+        run(&["map", BALL, "--embedding", "distance", "--curvature-sigma", "auto", "-o", &file("x.csv")]);
+    assert_eq!(refused.status.code(), Some(1));
+    assert!(text(&refused.stderr).contains("leave --curvature-sigma out"), "{}", text(&refused.stderr));
+}
+
+#[test]
+fn the_zoo_is_measured() {
+    let document = json(&["validate", "--poses", "1", "--resolutions", "6", "--ratios", "1", "--no-local"]);
+    let summaries = document["summaries"].as_array().unwrap();
+    assert_eq!(summaries.len(), 13);
+    assert_eq!(document["cases"].as_array().unwrap().len(), 13);
+    for summary in summaries {
+        let plain = summary["worst_plain"]["surface_area"].as_f64().unwrap();
+        let compensated = summary["worst_compensated"]["surface_area"].as_f64().unwrap();
+        assert!(compensated.abs() < plain.abs(), "{summary}");
+    }
+}
