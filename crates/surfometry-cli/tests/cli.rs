@@ -66,7 +66,7 @@ fn json_is_the_contract() {
     expected.extend(four.iter().map(error));
     expected.extend(group("grid_noise", &plain));
     expected.extend(group("mesh", &["volume_mm3", "surface_area_mm2", "vertices", "triangles"]));
-    expected.extend(group("voxels", &["count", "volume_mm3", "centroid_mm", "bounding_box"]));
+    expected.extend(group("voxels", &["count", "volume_mm3", "centroid_mm", "cut_area_mm2", "bounding_box"]));
     expected.extend(group(
         "topology",
         &[

@@ -39,6 +39,22 @@ fn a_sweep_shows_what_depends_on_sigma() {
     assert!(text(&table.stdout).contains("sigma mm"));
 }
 
+/// Blurred, plus the terms, is the original.
+#[test]
+fn compensation_is_explained() {
+    let output = run(&["measure", BALL, "--explain"]);
+    let number = |name: &str, column: usize| -> f64 {
+        let line =
+            text(&output.stdout).lines().find(|line| line.contains(name)).unwrap_or_else(|| panic!("{name}"));
+        let values = &line[line.find(name).unwrap() + name.len()..].replace("+ ", "").replace("- ", "-");
+        values.split_whitespace().nth(column).unwrap().parse().unwrap()
+    };
+    for column in 0..3 {
+        let sum = number("blurred", column) + number("blur's shift", column) + number("band's width", column);
+        assert!((sum / number("original", column) - 1.0).abs() < 1e-4, "{}", text(&output.stdout));
+    }
+}
+
 #[test]
 fn sweeps_that_make_no_sense() {
     for args in [

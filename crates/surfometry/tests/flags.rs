@@ -5,7 +5,7 @@ mod common;
 use common::{codes, measure, phantom, poses};
 use surfometry::Measurement;
 use surfometry::measurement::{EmbeddingKind, Measured};
-use surfometry::phantoms::{Ball, Phantom, RoundedBox, Torus};
+use surfometry::phantoms::{Ball, Phantom, Pose, RoundedBox, Torus};
 use surfometry::volume::{FieldImage, FieldValues, Grid, Mask};
 
 fn ball(radius: f64, spacing: [f64; 3], m: &Measurement) -> Measured {
@@ -80,10 +80,40 @@ fn touching_the_border() {
     assert!(raised(&m.run(&cube(0)).unwrap(), "touches-border"));
     assert!(raised(&m.run(&cube(5)).unwrap(), "touches-border"));
     assert!(!raised(&m.run(&cube(2)).unwrap(), "touches-border"));
+    let grid = Grid::axis_aligned([20; 3], [1.0, 2.0, 3.0]).unwrap();
+    let low = Mask::from_predicate(grid, |i| i[0] < 15 && (3..9).contains(&i[1]) && i[2] >= 8);
+    let cut = m.run(&low).unwrap();
+    // 6 x 12 faces of 2 x 3 mm in the first slice across x, 15 x 6 of 1 x 2 in the last across z.
+    assert_eq!(cut.voxels.cut_area_mm2, 6.0 * 12.0 * 6.0 + 15.0 * 6.0 * 2.0);
+    let message = &cut.flags.iter().find(|f| f.code.to_string() == "touches-border").unwrap().message;
+    assert!(message.contains("first x (432.0 mm2), last z (180.0 mm2)"), "{message}");
     // The border is harmless: the cap closes the object, so the cube is the same wherever it lies.
     let (edge, middle) = (m.run(&cube(0)).unwrap(), m.run(&cube(2)).unwrap());
     assert!((edge.surface_area_mm2.unwrap() / middle.surface_area_mm2.unwrap() - 1.0).abs() < 1e-6);
     assert!((edge.euler_characteristic.unwrap() - 2.0).abs() < 0.05);
+}
+
+/// A box along the grid has flat faces, the same box turned has none; a ball's poles are no faces.
+#[test]
+fn faces_along_the_grid() {
+    let shape = || RoundedBox { radii: [20.0, 16.0, 12.0], radius: 4.0 };
+    let m = Measurement::default();
+    let straight = measure(&phantom(shape(), Pose::new([0.0; 3], [0.2, 0.3, 0.1]), [1.0; 3]), &m);
+    assert!(raised(&straight, "flat-faces"));
+    let turned = measure(&phantom(shape(), poses()[0], [1.0; 3]), &m);
+    assert!(!raised(&turned, "flat-faces"));
+    assert!(!raised(&ball(10.0, [1.0; 3], &m), "flat-faces"));
+    // What the faces do to V is in its error.
+    let [wide, narrow] = [&straight, &turned].map(|m| m.compensated.standard_error.volume_mm3.unwrap());
+    assert!(wide > 5.0 * narrow, "{wide} {narrow}");
+}
+
+/// On thick slices the band is thicker than the corrected field is steep.
+#[test]
+fn bands_of_the_corrected_embedding() {
+    let m = Measurement::default().embedding(EmbeddingKind::Corrected);
+    assert!(!raised(&ball(15.0, [1.0; 3], &m), "corrected-band"));
+    assert!(raised(&ball(15.0, [0.6, 0.6, 1.5], &m), "corrected-band"));
 }
 
 #[test]

@@ -39,6 +39,9 @@ pub(crate) struct Args {
     /// `_NAME` and `_label-N` go before the ending
     #[arg(long, value_name = "FILE.png")]
     png: Option<PathBuf>,
+    /// Shows, in the table, what was added for the original object, term by term (docs/quantities.md)
+    #[arg(long)]
+    explain: bool,
     /// Says on stderr where the time went, stage by stage
     #[arg(long)]
     timings: bool,
@@ -95,9 +98,9 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
     let text = match args.results.format() {
         // A terminal has shown the failures already.
         OutputFormat::Table if args.results.path().is_none() && std::io::stdout().is_terminal() => {
-            table_text(&output)
+            table_text(&output, args.explain)
         }
-        OutputFormat::Table => table_text(&output) + &failures_text(&output),
+        OutputFormat::Table => table_text(&output, args.explain) + &failures_text(&output),
         OutputFormat::Json => json_text(&output)?,
         OutputFormat::Csv => csv_text(&output)?,
     };

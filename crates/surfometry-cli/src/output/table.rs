@@ -29,9 +29,10 @@ impl Layout {
 const COLUMNS: [&str; 8] =
     ["label", "surface", "volume mm³", "area mm²", "total H mm", "mean H 1/mm", "chi", "chi mesh"];
 
-pub(crate) fn table_text(output: &Output) -> String {
+/// `explain`: with the terms of the compensation.
+pub(crate) fn table_text(output: &Output, explain: bool) -> String {
     let by_input = output.results.chunk_by(|a, b| a.input == b.input);
-    let mut text = by_input.map(input_text).collect::<Vec<_>>().join("\n");
+    let mut text = by_input.map(|records| input_text(records, explain)).collect::<Vec<_>>().join("\n");
     if output.results.iter().any(|r| r.measured.parameters.sigma_mm.is_some()) {
         text += "\nblurred: of the smoothed object; original: with the smoothing's shift undone, s.e.: its standard error; voxels: counted. H > 0 on a ball; \
                  chi is the surface's (ball 2, torus 0).\n";
@@ -48,10 +49,10 @@ pub(crate) fn failures_text(output: &Output) -> String {
     format!("\nnot measured:\n{}", lines.concat())
 }
 
-fn input_text(records: &[Record]) -> String {
+fn input_text(records: &[Record], explain: bool) -> String {
     let mut layout = Layout::new(&COLUMNS);
     for record in records {
-        for row in rows(record) {
+        for row in rows(record, explain) {
             layout.row(row);
         }
     }
@@ -72,7 +73,7 @@ fn heading(record: &Record) -> String {
     )
 }
 
-fn rows(record: &Record) -> Vec<Vec<String>> {
+fn rows(record: &Record, explain: bool) -> Vec<Vec<String>> {
     let m = &record.measured;
     let number = |v: Option<f64>| v.map_or_else(|| "-".to_owned(), digits);
     let label = record.label.as_ref().map_or_else(String::new, ToString::to_string);
@@ -90,6 +91,18 @@ fn rows(record: &Record) -> Vec<Vec<String>> {
         chi(m.euler_characteristic),
         m.topology.euler_characteristic_mesh.map_or_else(|| "-".to_owned(), |chi| chi.to_string()),
     ]];
+    if let Some(terms) = m.compensation.filter(|_| explain) {
+        let signed = |v: f64| format!("{}{}", if v < 0.0 { "- " } else { "+ " }, digits(v.abs()));
+        for (name, term) in [("blur's shift", terms.shift), ("band's width", terms.band)] {
+            rows.push(vec![
+                String::new(),
+                name.to_owned(),
+                signed(term.volume),
+                signed(term.area),
+                signed(term.mean),
+            ]);
+        }
+    }
     if matches!(m.parameters.embedding, EmbeddingKind::Gaussian | EmbeddingKind::Corrected) {
         rows.push(vec![
             String::new(),

@@ -30,12 +30,40 @@ pub struct CompensatedIntegrals {
 /// What is left is of order sigma^4 / R^4: on a ball up to 0.2 % at R = 5 sigma, 3 % at R = 2.5 sigma. Valid at level
 /// 0.5 only.
 pub fn compensate(plain: &Integrals, sigma: f64, variance: f64) -> CompensatedIntegrals {
+    let terms = compensation_terms(plain, sigma, variance);
+    let sum =
+        |plain: f64, term: fn(&CompensatedIntegrals) -> f64| plain + term(&terms.shift) + term(&terms.band);
+    CompensatedIntegrals {
+        volume: sum(plain.volume, |t| t.volume),
+        area: sum(plain.surface.area, |t| t.area),
+        mean: sum(plain.surface.mean, |t| t.mean),
+    }
+}
+
+/// What [`compensate`] adds, by cause.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CompensationTerms {
+    /// For the surface's shift by the blur: sigma^2 (M + M_c) / 2, 2 sigma^2 int H^2, sigma^2 int H K.
+    pub shift: CompensatedIntegrals,
+    /// For the band's averaging over parallel surfaces: minus its variance times M and times the integral of K.
+    pub band: CompensatedIntegrals,
+}
+
+/// The terms of [`compensate`].
+pub fn compensation_terms(plain: &Integrals, sigma: f64, variance: f64) -> CompensationTerms {
     let surface = &plain.surface;
     let square = sigma * sigma;
-    let mean = surface.mean + square * surface.mean_times_gaussian;
-    CompensatedIntegrals {
-        volume: plain.volume + square * 0.5 * (surface.mean + mean) - variance * surface.mean,
-        area: surface.area + 2.0 * square * surface.mean_squared - variance * surface.gaussian,
-        mean,
+    let mean = square * surface.mean_times_gaussian;
+    CompensationTerms {
+        shift: CompensatedIntegrals {
+            volume: square * 0.5 * (surface.mean + (surface.mean + mean)),
+            area: 2.0 * square * surface.mean_squared,
+            mean,
+        },
+        band: CompensatedIntegrals {
+            volume: -variance * surface.mean,
+            area: -variance * surface.gaussian,
+            mean: 0.0,
+        },
     }
 }

@@ -1,7 +1,7 @@
 //! What a measurement gives; names and units as in the JSON contract (DESIGN.md 4).
 
 use super::Parameters;
-use crate::accuracy::{CompensatedIntegrals, Flag, IntegralErrors};
+use crate::accuracy::{CompensatedIntegrals, CompensationTerms, Flag, IntegralErrors};
 use crate::integrals::Integrals;
 use crate::phantoms::Truth;
 use crate::surface::SurfaceSummary;
@@ -43,6 +43,9 @@ pub struct Measured {
     pub read_seconds: Option<f64>,
     /// Time from the decoded labels to all integrals, s.
     pub seconds: f64,
+    /// What compensation added to the plain values, by cause; not part of the records.
+    #[serde(skip)]
+    pub compensation: Option<CompensationTerms>,
     /// Time by stage; not part of the records.
     #[serde(skip)]
     pub timings: StageSeconds,
@@ -205,6 +208,8 @@ pub struct VoxelSummary {
     pub volume_mm3: f64,
     /// Their mean position in the world (RAS), mm.
     pub centroid_mm: [f64; 3],
+    /// Area of the voxels' faces on the edge of the image: where it may have cut the object.
+    pub cut_area_mm2: f64,
     /// First and last voxel index (x, y, z) along each axis, both inclusive.
     pub bounding_box: [[i64; 3]; 2],
 }

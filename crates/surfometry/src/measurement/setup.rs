@@ -8,7 +8,8 @@ use super::result::{
 use super::voxels::VoxelCounts;
 use super::{Derivatives, EmbeddingKind, MeasureError, Measurement, Parameters};
 use crate::accuracy::{
-    CompensatedIntegrals, ErrorModel, Evidence, Flag, FlagCode, band_variance, compensate, raise_flags,
+    CompensatedIntegrals, ErrorModel, Evidence, Flag, FlagCode, band_variance, compensate,
+    compensation_terms, raise_flags,
 };
 use crate::integrals::{Band, Integrals, Quadrature, QuadratureRule, SmearedDelta};
 use crate::local_geometry::{CentralWeights, matched_weights};
@@ -93,7 +94,8 @@ impl Setup {
         let topology = totals.topology.topology();
         let voxels = totals.voxels.summary(&self.grid);
         let evidence = self.evidence(surviving, compensated, mesh, &topology, voxels.volume_mm3);
-        let mut flags = self.parameter_flags(self.grid.is_touched_by(totals.voxels.bounds()));
+        let area = surviving.filter(Integrals::has_surface).map(|integrals| integrals.surface.area);
+        let mut flags = self.parameter_flags(totals.voxels.cut_areas(&self.grid), area);
         flags.extend(raise_flags(&evidence));
         let model = surviving.and_then(|integrals| self.error_model(&integrals));
         if model.is_none() && surviving.is_some_and(|integrals| integrals.has_surface()) {
@@ -113,6 +115,9 @@ impl Setup {
             flags,
             read_seconds: None,
             seconds: totals.integrated.as_secs_f64(),
+            compensation: compensated
+                .and_then(|_| self.compensable(surviving))
+                .map(|(integrals, sigma, variance)| compensation_terms(&integrals, sigma, variance)),
             timings: totals.timings(),
         }
     }
@@ -124,10 +129,16 @@ impl Setup {
     }
 
     fn compensated(&self, integrals: Option<Integrals>) -> Option<CompensatedIntegrals> {
+        let (integrals, sigma, variance) = self.compensable(integrals)?;
+        Some(compensate(&integrals, sigma, variance))
+    }
+
+    /// What compensation starts from: the integrals, sigma and the band's variance.
+    fn compensable(&self, integrals: Option<Integrals>) -> Option<(Integrals, f64, f64)> {
         let sigma = self.parameters.compensable_sigma()?;
         let integrals = integrals.filter(Integrals::has_surface)?;
         let variance = band_variance(&self.parameters.profile()?, self.band.delta());
-        Some(compensate(&integrals, sigma, variance))
+        Some((integrals, sigma, variance))
     }
 
     fn uncertain(
@@ -174,19 +185,39 @@ impl Setup {
         }
     }
 
-    fn parameter_flags(&self, touches_border: bool) -> Vec<Flag> {
+    fn parameter_flags(&self, cuts: [[f64; 2]; 3], area: Option<f64>) -> Vec<Flag> {
         let mut flags = Vec::new();
+        let touches_border = cuts.as_flattened().iter().any(|&cut| cut > 0.0);
         let given = self.parameters.embedding == EmbeddingKind::Given;
         if touches_border && given {
             flags.push(Flag::new(FlagCode::SurfaceLeavesField, "the inside reaches the edge of the field, where its surface is left open: area and curvature miss that part and chi has no boundary term"));
         } else if touches_border {
-            flags.push(Flag::new(FlagCode::TouchesBorder, "the object reaches the edge of the image and is closed there with a flat cap, which counts in volume, area and curvature"));
+            flags.push(touching(cuts, area));
         }
         if self.parameters.compensable_sigma().is_none() {
             flags.push(Flag::new(FlagCode::CompensationUndefined, "compensation is defined for the Gaussian and the corrected embedding at level 0.5 only, so `compensated` is null"));
         }
         flags
     }
+}
+
+/// Where the image's edge cuts an object, and how much of its surface that makes.
+fn touching(cuts: [[f64; 2]; 3], area: Option<f64>) -> Flag {
+    let mut places = Vec::new();
+    for (axis, cuts) in ["x", "y", "z"].iter().zip(cuts) {
+        for (end, cut) in ["first", "last"].iter().zip(cuts).filter(|(_, cut)| *cut > 0.0) {
+            places.push(format!("{end} {axis} ({cut:.1} mm2)"));
+        }
+    }
+    let total: f64 = cuts.as_flattened().iter().sum();
+    let share =
+        area.map_or_else(String::new, |area| format!(", {:.1} % of its surface", 100.0 * total / area));
+    let message = format!(
+        "the object reaches the edge of the image in the slice {}{share}: it is closed there with a flat cap, which counts in volume, area \
+         and curvature",
+        places.join(", ")
+    );
+    Flag::new(FlagCode::TouchesBorder, message)
 }
 
 impl Totals {
