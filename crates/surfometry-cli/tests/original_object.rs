@@ -121,4 +121,18 @@ fn the_zoo_is_measured() {
         let compensated = summary["worst_compensated"]["surface_area"].as_f64().unwrap();
         assert!(compensated.abs() < plain.abs(), "{summary}");
     }
+    let two = json(&[
+        "validate",
+        "--poses",
+        "1",
+        "--resolutions",
+        "6",
+        "--ratios",
+        "1",
+        "--no-local",
+        "--shape",
+        "torus",
+    ]);
+    assert_eq!(two["summaries"].as_array().unwrap().len(), 2);
+    assert_eq!(run(&["validate", "--shape", "cube"]).status.code(), Some(2));
 }

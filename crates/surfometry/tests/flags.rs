@@ -102,7 +102,14 @@ fn faces_along_the_grid() {
     assert!(raised(&straight, "flat-faces"));
     let turned = measure(&phantom(shape(), poses()[0], [1.0; 3]), &m);
     assert!(!raised(&turned, "flat-faces"));
-    assert!(!raised(&ball(10.0, [1.0; 3], &m), "flat-faces"));
+    for radius in [10.0, 20.0, 40.0] {
+        // Centred, so that its terraces are widest.
+        let centred = phantom(Ball { radius }, Pose::new([0.0; 3], [0.0; 3]), [1.0; 3]);
+        for embedding in [EmbeddingKind::Gaussian, EmbeddingKind::Corrected] {
+            let share = measure(&centred, &m.embedding(embedding));
+            assert!(!raised(&share, "flat-faces"), "{radius} {embedding:?} {:?}", share.flags);
+        }
+    }
     // What the faces do to V is in its error.
     let [wide, narrow] = [&straight, &turned].map(|m| m.compensated.standard_error.volume_mm3.unwrap());
     assert!(wide > 5.0 * narrow, "{wide} {narrow}");

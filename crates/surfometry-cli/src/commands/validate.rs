@@ -4,11 +4,11 @@ use super::ALL_DONE;
 use crate::options::positive;
 use crate::output::{Layout, check_output, deliver, json_text};
 use crate::progress::progress_bar;
-use anyhow::Result;
+use anyhow::{Result, bail};
 use clap::ValueEnum;
 use serde_json::json;
 use std::path::PathBuf;
-use surfometry::validation::{Summary, Validation, summarise};
+use surfometry::validation::{Summary, Validation, ZOO, summarise};
 
 /// Measure a zoo of shapes with exact truth, in many poses, and print how far off the numbers are
 ///
@@ -28,6 +28,9 @@ pub(crate) struct Args {
     /// Number of the first pose: other poses are other rotations, shifts and sizes
     #[arg(long, default_value_t = 0)]
     first_pose: u32,
+    /// Shapes: those whose name has this in it; may be given several times [default: all]
+    #[arg(long, value_name = "NAME")]
+    shape: Vec<String>,
     /// Integrals alone
     #[arg(long)]
     no_local: bool,
@@ -57,8 +60,13 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
         ratios: args.ratios.clone(),
         poses: args.poses as usize,
         first_pose: args.first_pose as usize,
+        shapes: args.shape.clone(),
         local: !args.no_local,
     };
+    if validation.cases().is_empty() {
+        let names: Vec<&str> = ZOO.iter().map(|shape| shape.name).collect();
+        bail!("no shape is called like that; there are {}", names.join(", "));
+    }
     let progress = progress_bar(validation.cases().len(), quiet);
     let results = validation.run(|| progress.inc(1))?;
     progress.finish_and_clear();

@@ -26,6 +26,8 @@ pub struct Validation {
     pub poses: usize,
     /// Number of the first pose: poses from another on are held out from whatever was tuned on the first ones.
     pub first_pose: usize,
+    /// Parts of the names of the shapes that are wanted; all where there are none.
+    pub shapes: Vec<String>,
     /// Whether local curvature is looked at too.
     pub local: bool,
 }
@@ -33,7 +35,14 @@ pub struct Validation {
 impl Default for Validation {
     /// R = 10 and 20 voxels, cubic voxels and thick slices, three poses.
     fn default() -> Self {
-        Self { resolutions: vec![10.0, 20.0], ratios: vec![1.0, 3.0], poses: 3, first_pose: 0, local: true }
+        Self {
+            resolutions: vec![10.0, 20.0],
+            ratios: vec![1.0, 3.0],
+            poses: 3,
+            first_pose: 0,
+            shapes: Vec::new(),
+            local: true,
+        }
     }
 }
 
@@ -41,7 +50,7 @@ impl Validation {
     /// All cases, in order: shape by shape, the coarse ones first.
     pub fn cases(&self) -> Vec<Case> {
         let mut cases = Vec::new();
-        for shape in &ZOO {
+        for shape in self.wanted() {
             for &resolution in &self.resolutions {
                 for &ratio in &self.ratios {
                     let poses = self.first_pose..self.first_pose + self.poses;
@@ -52,13 +61,19 @@ impl Validation {
         cases
     }
 
+    fn wanted(&self) -> impl Iterator<Item = &'static ZooShape> + '_ {
+        let named = |shape: &&ZooShape| self.shapes.iter().any(|part| shape.name.contains(part.as_str()));
+        ZOO.iter().filter(move |shape| self.shapes.is_empty() || named(shape))
+    }
+
     /// Measures all cases; `progress` is told after each, from whichever thread.
     ///
     /// # Errors
     /// [`MeasureError`] of a case that cannot be measured.
     pub fn run(&self, progress: impl Fn() + Sync) -> Result<Vec<CaseResult>, MeasureError> {
         // The truth of a shape is that of its unit, scaled.
-        let units: BTreeMap<_, _> = ZOO.par_iter().map(|shape| (shape.name, Unit::of(shape))).collect();
+        let units: BTreeMap<_, _> =
+            self.wanted().par_bridge().map(|shape| (shape.name, Unit::of(shape))).collect();
         let run = |case: &Case| {
             let result = case.run(&units[case.shape.name], self.local);
             progress();
