@@ -2,16 +2,11 @@
 
 mod common;
 
-use common::{measure, phantom, poses};
+use common::{measure, phantom, poses, rms};
 use surfometry::Measurement;
 use surfometry::measurement::{CurvatureScale, Derivatives, EmbeddingKind};
 use surfometry::phantoms::{Ball, Ellipsoid, Phantom, Pose, Torus};
 use surfometry::validation::{CaseResult, Summary, Validation, summarise};
-
-fn rms(values: impl Iterator<Item = f64>) -> f64 {
-    let (sum, count) = values.fold((0.0, 0.0), |(sum, count), v| (sum + v * v, count + 1.0));
-    (sum / count).sqrt()
-}
 
 /// Rms and mean distance of a surface's vertices from the exact one, mm.
 fn distances(phantom: &Phantom, measurement: &Measurement) -> [f64; 2] {

@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{codes, phantom, poses};
+use common::{codes, phantom, poses, rms};
 use std::f64::consts::PI;
 use surfometry::Measurement;
 use surfometry::local_geometry::Curvature;
@@ -126,11 +126,6 @@ fn a_part_of_a_map_is_the_same() {
             assert_eq!(some.get([x, y, z]), whole.get([x, y, z]));
         }
     }
-}
-
-fn rms(values: impl Iterator<Item = f64>) -> f64 {
-    let (sum, count) = values.fold((0.0, 0.0), |(sum, count), v| (sum + v * v, count + 1.0));
-    (sum / count).sqrt()
 }
 
 /// Errors of H and K at vertices against the truth of the original shape at the nearest point, in units of the largest

@@ -103,7 +103,7 @@ fn rows(record: &Record, explain: bool) -> Vec<Vec<String>> {
             ]);
         }
     }
-    if matches!(m.parameters.embedding, EmbeddingKind::Gaussian | EmbeddingKind::Corrected) {
+    if m.parameters.embedding.is_blur() {
         rows.push(vec![
             String::new(),
             "original".to_owned(),

@@ -7,7 +7,7 @@ mod local_errors;
 mod scale;
 mod uncertainty;
 
-pub use compensation::{CompensatedIntegrals, CompensationTerms, compensate, compensation_terms};
+pub use compensation::{CompensatedIntegrals, CompensationTerms, compensation_terms};
 pub use curvature_scale::{PILOT_SPACINGS, auto_curvature_sigma, rms_spacing};
 pub use flags::{Evidence, Flag, FlagCode, raise_flags};
 pub use local_errors::{CurvatureErrors, LocalErrorModel};

@@ -1,6 +1,6 @@
 //! Standard errors of integrals.
 
-use crate::integrals::Integrals;
+use crate::integrals::{Integrals, SurfaceIntegrals};
 use crate::volume::Spacing;
 use std::f64::consts::PI;
 
@@ -40,43 +40,22 @@ const LEAST_CHANGE: f64 = 0.15;
 /// Noise of chi of a surface of one ball's total curvature, in units of (h / sigma)^2.
 const EULER_NOISE: f64 = 0.006;
 
-/// Sizes that errors follow from.
+/// What errors follow from beside the integrals: the grid, the blur and the band, the same for all objects of an image.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ErrorModel {
     spacing: Spacing,
     sigma: f64,
-    area: f64,
-    mean: f64,
-    /// 1/R, the rms of the larger principal curvature.
-    curvature: f64,
-    /// Integrals of its fourth and sixth power.
-    fourth: f64,
-    sixth: f64,
-    /// Integrals of H^2 and H K.
-    mean_squared: f64,
-    mean_times_gaussian: f64,
-    /// Area of faces along the grid, by axis, and by how much the band's sum is off there.
-    faces: [f64; 3],
+    /// [`inverse_fourth_powers`].
+    lattice: f64,
+    /// By how much the band's sum is off on faces along the grid, by axis.
     face_excess: [f64; 3],
 }
 
 impl ErrorModel {
-    /// For a surface after a blur of sigma mm, integrated over a band of some thickness in mm.
-    pub fn new(spacing: Spacing, sigma: f64, thickness: f64, integrals: &Integrals) -> Self {
-        let surface = &integrals.surface;
-        Self {
-            spacing,
-            sigma,
-            area: surface.area,
-            mean: surface.mean,
-            curvature: (surface.larger_squared / surface.area).sqrt(),
-            fourth: surface.larger_fourth,
-            sixth: surface.larger_sixth,
-            mean_squared: surface.mean_squared,
-            mean_times_gaussian: surface.mean_times_gaussian,
-            faces: integrals.faces.map(|area| with_rim(area, sigma)),
-            face_excess: spacing.mm().map(|h| face_excess(thickness / h)),
-        }
+    /// For surfaces after a blur of sigma mm, integrated over a band of some thickness in mm.
+    pub fn new(spacing: Spacing, sigma: f64, thickness: f64) -> Self {
+        let face_excess = spacing.mm().map(|h| face_excess(thickness / h));
+        Self { spacing, sigma, lattice: inverse_fourth_powers(spacing), face_excess }
     }
 
     /// Spread over sub-voxel shifts and rotations of what a smooth, curved object's voxels give.
@@ -84,34 +63,37 @@ impl ErrorModel {
     /// The volume of the voxels has, over shifts, the variance of a sum of the indicator's Fourier coefficients over the reciprocal lattice, and those of a
     /// body with a smooth curved surface fall as A / (8 pi^3 xi^4) on the mean over directions (Kendall 1948 for balls): on cubic voxels V has the standard
     /// deviation 0.258 h^2 sqrt(A). A blur moves the surface, and with it this noise. The place of a flat face along the grid is known to h / sqrt 12 alone, as a whole.
-    pub fn grid_noise(&self) -> IntegralErrors {
-        let curved = self.area / (8.0 * PI.powi(3)) * inverse_fourth_powers(self.spacing);
+    pub fn grid_noise(&self, integrals: &Integrals) -> IntegralErrors {
+        let surface = &integrals.surface;
+        let curvature = rms_curvature(surface);
+        let faces = integrals.faces.map(|area| with_rim(area, self.sigma));
+        let curved = surface.area / (8.0 * PI.powi(3)) * self.lattice;
         let steps: [f64; 3] = std::array::from_fn(|a| self.spacing.mm()[a] / libm::sqrt(12.0));
-        let flat: f64 = (0..3).map(|a| (steps[a] * self.faces[a]).powi(2)).sum();
+        let flat: f64 = (0..3).map(|a| (steps[a] * faces[a]).powi(2)).sum();
         let volume = (curved + flat).sqrt();
         // What a face does to its rims.
-        let rims: f64 = (0..3).map(|a| steps[a] * steps[a] * 4.0 * PI * self.faces[a]).sum();
-        let excess: f64 = (0..3).map(|a| (self.face_excess[a] * self.faces[a]).powi(2)).sum();
-        let balls = (self.area * self.curvature.powi(2) / (4.0 * PI)).max(1.0);
+        let rims: f64 = (0..3).map(|a| steps[a] * steps[a] * 4.0 * PI * faces[a]).sum();
+        let excess: f64 = (0..3).map(|a| (self.face_excess[a] * faces[a]).powi(2)).sum();
+        let balls = (surface.area * curvature.powi(2) / (4.0 * PI)).max(1.0);
         let ratio = (self.spacing.largest() / self.sigma).powi(2);
         let ratios = self.spacing.mm().map(|h| (h / self.sigma).powi(2));
         let rough_area = ROUGHNESS[0] * ratios.iter().sum::<f64>() / 3.0;
         let rough_mean = ROUGHNESS[1] * ratios.iter().map(|ratio| ratio * ratio).sum::<f64>();
-        let least_mean = LEAST_MEAN * self.area * self.curvature;
+        let least_mean = LEAST_MEAN * surface.area * curvature;
         let area = libm::hypot(
-            libm::hypot(AREA_NOISE * 2.0 * self.curvature * curved.sqrt(), (rims + excess).sqrt()),
-            rough_area * self.area,
+            libm::hypot(AREA_NOISE * 2.0 * curvature * curved.sqrt(), (rims + excess).sqrt()),
+            rough_area * surface.area,
         );
         let mean = libm::hypot(
-            MEAN_NOISE * self.curvature.powi(2) * volume,
-            rough_mean * self.mean.abs().max(least_mean),
+            MEAN_NOISE * curvature.powi(2) * volume,
+            rough_mean * surface.mean.abs().max(least_mean),
         );
         let gaussian = 2.0 * PI * EULER_NOISE * ratio * balls.sqrt();
         IntegralErrors {
             volume,
             area,
             mean,
-            average: self.of_average(area, mean),
+            average: of_average(surface, area, mean),
             gaussian,
             mean_squared: gaussian,
         }
@@ -119,34 +101,42 @@ impl ErrorModel {
 
     /// Standard errors of compensated values: the grid's noise, and the bias that is left. It is at most what compensation changed: where the surface turns
     /// within a sigma, as where slices are thick, powers of curvature only tell noise.
-    pub fn compensated(&self) -> IntegralErrors {
-        let noise = self.grid_noise();
+    pub fn compensated(&self, integrals: &Integrals) -> IntegralErrors {
+        let noise = self.grid_noise(integrals);
+        let surface = &integrals.surface;
+        let curvature = rms_curvature(surface);
         // The integrals of the third and fifth power, from those of the second and fourth: equal where curvature is the same everywhere.
-        let second = self.area * self.curvature.powi(2);
-        let third = (second * self.fourth).sqrt();
-        let fifth = self.fourth * (self.fourth / second).sqrt();
+        let second = surface.area * curvature.powi(2);
+        let third = (second * surface.larger_fourth).sqrt();
+        let fifth = surface.larger_fourth * (surface.larger_fourth / second).sqrt();
         let (square, fourth) = (self.sigma.powi(2), self.sigma.powi(4));
         let [of_volume, of_area, of_mean] = REMAINDER;
-        let edges = EDGES * self.sigma.powi(6) * self.sixth;
-        let most_of_mean = (square * self.mean_times_gaussian.abs())
-            .max(LEAST_CHANGE * square * self.area * self.curvature.powi(3));
-        let volume = (of_volume * fourth * third).min(square * self.area * self.curvature);
-        let area = libm::hypot(of_area * fourth * self.fourth, edges).min(2.0 * square * self.mean_squared);
+        let edges = EDGES * self.sigma.powi(6) * surface.larger_sixth;
+        let most_of_mean = (square * surface.mean_times_gaussian.abs())
+            .max(LEAST_CHANGE * square * surface.area * curvature.powi(3));
+        let volume = (of_volume * fourth * third).min(square * surface.area * curvature);
+        let area = libm::hypot(of_area * fourth * surface.larger_fourth, edges)
+            .min(2.0 * square * surface.mean_squared);
         let mean = (of_mean * fourth * fifth).min(most_of_mean);
         let (area, mean) = (libm::hypot(noise.area, area), libm::hypot(noise.mean, mean));
         IntegralErrors {
             volume: libm::hypot(noise.volume, volume),
             area,
             mean,
-            average: self.of_average(area, mean),
+            average: of_average(surface, area, mean),
             ..noise
         }
     }
+}
 
-    /// Of M / A, as if their errors were independent.
-    fn of_average(&self, area: f64, mean: f64) -> f64 {
-        libm::hypot(mean / self.area, area * self.mean / (self.area * self.area))
-    }
+/// 1/R, the rms of the larger principal curvature.
+fn rms_curvature(surface: &SurfaceIntegrals) -> f64 {
+    (surface.larger_squared / surface.area).sqrt()
+}
+
+/// Error of M / A, as if those of A and M were independent.
+fn of_average(surface: &SurfaceIntegrals, area: f64, mean: f64) -> f64 {
+    libm::hypot(mean / surface.area, area * surface.mean / (surface.area * surface.area))
 }
 
 /// A face's area, from that of which the normal is an axis: the blur rounds a rim two sigma wide. A cap of a curved surface is small and has none to speak of.

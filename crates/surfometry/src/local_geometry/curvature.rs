@@ -54,12 +54,18 @@ impl Curvature {
     /// The larger of |k1| and |k2|, |H| + sqrt(H^2 - K), 1/mm.
     #[inline(always)]
     pub fn larger(&self) -> f64 {
-        self.mean.abs() + (self.mean * self.mean - self.gaussian).max(0.0).sqrt()
+        self.mean.abs() + self.half_difference()
     }
 
-    /// k1 >= k2, 1/mm. H^2 - K, which rounding can make negative at umbilics, is clamped at 0.
+    /// (k1 - k2) / 2. H^2 - K, which rounding can make negative at umbilics, is clamped at 0.
+    #[inline(always)]
+    fn half_difference(&self) -> f64 {
+        (self.mean * self.mean - self.gaussian).max(0.0).sqrt()
+    }
+
+    /// k1 >= k2, 1/mm.
     pub fn principal(&self) -> [f64; 2] {
-        let root = libm::sqrt((self.mean * self.mean - self.gaussian).max(0.0));
+        let root = self.half_difference();
         [self.mean + root, self.mean - root]
     }
 }

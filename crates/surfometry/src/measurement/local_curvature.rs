@@ -30,7 +30,7 @@ impl Measurement {
             CurvatureScale::Mm(sigma) => sigma,
             CurvatureScale::Auto => self.scale_of(mask)?,
         };
-        if !matches!(self.embedding, EmbeddingKind::Gaussian | EmbeddingKind::Corrected) {
+        if !self.embedding.is_blur() {
             return Err(MeasureError::Conflict(
                 "a scale for curvature belongs to the Gaussian and corrected embeddings: leave --curvature-sigma out",
             ));

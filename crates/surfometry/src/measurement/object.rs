@@ -68,6 +68,7 @@ impl Measurement {
             quadrature: Quadrature::bounded(measurement.quadrature, grid.dimensions()),
             grid: *grid,
             weights: None,
+            errors: None,
         };
         let scheme = Some(Scheme::Given(differences));
         Ok(Object { mask: Cow::Owned(mask), setup, scheme, preparation: start.elapsed() })

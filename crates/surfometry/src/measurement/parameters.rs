@@ -27,6 +27,11 @@ pub enum EmbeddingKind {
 }
 
 impl EmbeddingKind {
+    /// Whether the field is made by blurring.
+    pub fn is_blur(self) -> bool {
+        matches!(self, Self::Gaussian | Self::Corrected)
+    }
+
     /// A flat edge after the blur of an embedding that has one.
     pub(super) fn profile(self, sigma: f64) -> EdgeProfile {
         match self {

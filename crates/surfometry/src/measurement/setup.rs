@@ -8,14 +8,13 @@ use super::result::{
 use super::voxels::VoxelCounts;
 use super::{Derivatives, EmbeddingKind, MeasureError, Measurement, Parameters};
 use crate::accuracy::{
-    CompensatedIntegrals, ErrorModel, Evidence, Flag, FlagCode, band_variance, compensate,
-    compensation_terms, raise_flags,
+    CompensationTerms, ErrorModel, Evidence, Flag, FlagCode, band_variance, compensation_terms, raise_flags,
 };
 use crate::integrals::{Band, Integrals, Quadrature, QuadratureRule, SmearedDelta};
 use crate::local_geometry::{CentralWeights, matched_weights};
 use crate::surface::SurfaceSummary;
 use crate::topology::{TopologyCounter, VoxelTopology};
-use crate::volume::{Grid, Mask};
+use crate::volume::{Grid, Mask, Spacing};
 use std::ops::Range;
 use std::time::{Duration, Instant};
 
@@ -29,6 +28,8 @@ pub(super) struct Setup {
     pub(super) grid: Grid,
     /// For matched differences.
     pub(super) weights: Option<[CentralWeights; 3]>,
+    /// How far integrals are from exact; `None` where that was not studied.
+    pub(super) errors: Option<ErrorModel>,
 }
 
 /// What was summed over an object, whole or as far as its slices have come.
@@ -63,6 +64,7 @@ impl Setup {
                 .sigma_mm
                 .filter(|_| parameters.derivatives == Derivatives::Matched)
                 .map(|sigma| matched_weights(sigma, grid.spacing().mm())),
+            errors: error_model(&parameters, grid.spacing()),
         })
     }
 
@@ -79,33 +81,35 @@ impl Setup {
     /// Plain and compensated integrals.
     pub(super) fn values(&self, sums: &ObjectSums) -> (PlainValues, UncertainValues) {
         let surviving = self.surviving(sums);
-        let compensated = self.compensated(surviving);
+        let terms = self.compensation(surviving);
         (
             surviving.map_or_else(PlainValues::default, |i| PlainValues::of(&i)),
-            self.uncertain(surviving, compensated),
+            self.compensated(surviving, terms),
         )
     }
 
     /// All numbers of an object.
     pub(super) fn measured(&self, totals: &Totals) -> Measured {
         let surviving = self.surviving(&totals.sums);
-        let compensated = self.compensated(surviving);
+        let terms = self.compensation(surviving);
         let mesh = Some(SurfaceSummary::of_sums(&totals.sums.surface)).filter(|mesh| mesh.triangles > 0);
         let topology = totals.topology.topology();
         let voxels = totals.voxels.summary(&self.grid);
-        let evidence = self.evidence(surviving, compensated, mesh, &topology, voxels.volume_mm3);
-        let area = surviving.filter(Integrals::has_surface).map(|integrals| integrals.surface.area);
+        let compensated_volume = surviving.zip(terms).map(|(plain, terms)| terms.added_to(&plain).volume);
+        let evidence = self.evidence(surviving, compensated_volume, mesh, &topology, voxels.volume_mm3);
+        let surface = surviving.filter(Integrals::has_surface);
+        let area = surface.map(|integrals| integrals.surface.area);
         let mut flags = self.parameter_flags(totals.voxels.cut_areas(&self.grid), area);
         flags.extend(raise_flags(&evidence));
-        let model = surviving.and_then(|integrals| self.error_model(&integrals));
-        if model.is_none() && surviving.is_some_and(|integrals| integrals.has_surface()) {
+        if self.errors.is_none() && surface.is_some() {
             flags.push(Flag::new(FlagCode::NotComputed, NO_ERRORS));
         }
-        let compensated = compensated.filter(|_| !evidence.compensation_failed());
+        let noise = self.errors.zip(surface).map(|(model, integrals)| model.grid_noise(&integrals));
+        let terms = terms.filter(|_| !evidence.compensation_failed());
         Measured {
             plain: surviving.map_or_else(PlainValues::default, |i| PlainValues::of(&i)),
-            compensated: self.uncertain(surviving, compensated),
-            grid_noise: model.map_or_else(PlainValues::default, |m| PlainValues::of_noise(&m.grid_noise())),
+            compensated: self.compensated(surviving, terms),
+            grid_noise: noise.map_or_else(PlainValues::default, |e| PlainValues::of_noise(&e)),
             mesh: mesh.map_or_else(MeshSummary::default, |mesh| MeshSummary::of(&mesh)),
             voxels,
             topology: TopologySummary::of(&topology, mesh.as_ref()),
@@ -115,9 +119,7 @@ impl Setup {
             flags,
             read_seconds: None,
             seconds: totals.integrated.as_secs_f64(),
-            compensation: compensated
-                .and_then(|_| self.compensable(surviving))
-                .map(|(integrals, sigma, variance)| compensation_terms(&integrals, sigma, variance)),
+            compensation: terms,
             timings: totals.timings(),
         }
     }
@@ -128,43 +130,24 @@ impl Setup {
         (integrals.inside_voxels > 0).then_some(integrals)
     }
 
-    fn compensated(&self, integrals: Option<Integrals>) -> Option<CompensatedIntegrals> {
-        let (integrals, sigma, variance) = self.compensable(integrals)?;
-        Some(compensate(&integrals, sigma, variance))
-    }
-
-    /// What compensation starts from: the integrals, sigma and the band's variance.
-    fn compensable(&self, integrals: Option<Integrals>) -> Option<(Integrals, f64, f64)> {
+    /// What compensation adds; `None` where it is not defined.
+    fn compensation(&self, integrals: Option<Integrals>) -> Option<CompensationTerms> {
         let sigma = self.parameters.compensable_sigma()?;
         let integrals = integrals.filter(Integrals::has_surface)?;
         let variance = band_variance(&self.parameters.profile()?, self.band.delta());
-        Some((integrals, sigma, variance))
+        Some(compensation_terms(&integrals, sigma, variance))
     }
 
-    fn uncertain(
-        &self,
-        plain: Option<Integrals>,
-        compensated: Option<CompensatedIntegrals>,
-    ) -> UncertainValues {
-        let errors =
-            plain.and_then(|integrals| self.error_model(&integrals)).map(|model| model.compensated());
-        compensated.map_or_else(UncertainValues::default, |c| UncertainValues::of(&c, errors.as_ref()))
-    }
-
-    /// How far integrals are from exact; `None` where that was not studied.
-    fn error_model(&self, plain: &Integrals) -> Option<ErrorModel> {
-        let (p, spacing) = (&self.parameters, self.grid.spacing());
-        let sigma = p
-            .sigma_mm
-            .filter(|&sigma| p.level == Some(0.5) && sigma >= LEAST_SIGMA * spacing.geometric_mean())?;
-        let studied = p.derivatives != Derivatives::FiniteDifference && p.quadrature == QuadratureRule::Sum;
-        (studied && plain.has_surface()).then(|| ErrorModel::new(spacing, sigma, p.thickness_mm, plain))
+    fn compensated(&self, plain: Option<Integrals>, terms: Option<CompensationTerms>) -> UncertainValues {
+        let Some((plain, terms)) = plain.zip(terms) else { return UncertainValues::default() };
+        let errors = self.errors.map(|model| model.compensated(&plain));
+        UncertainValues::of(&terms.added_to(&plain), errors.as_ref())
     }
 
     fn evidence(
         &self,
         plain: Option<Integrals>,
-        compensated: Option<CompensatedIntegrals>,
+        compensated_volume: Option<f64>,
         mesh: Option<SurfaceSummary>,
         topology: &VoxelTopology,
         voxel_volume: f64,
@@ -179,7 +162,7 @@ impl Setup {
             saturation: self.parameters.saturation(),
             voxel_volume,
             voxel_euler: topology.euler_characteristic_26,
-            compensated_volume: compensated.map(|c| c.volume),
+            compensated_volume,
             plain,
             mesh,
         }
@@ -199,6 +182,13 @@ impl Setup {
         }
         flags
     }
+}
+
+fn error_model(p: &Parameters, spacing: Spacing) -> Option<ErrorModel> {
+    let enough = |sigma: &f64| *sigma >= LEAST_SIGMA * spacing.geometric_mean();
+    let sigma = p.sigma_mm.filter(|sigma| p.level == Some(0.5) && enough(sigma))?;
+    let studied = p.derivatives != Derivatives::FiniteDifference && p.quadrature == QuadratureRule::Sum;
+    studied.then(|| ErrorModel::new(spacing, sigma, p.thickness_mm))
 }
 
 /// Where the image's edge cuts an object, and how much of its surface that makes.

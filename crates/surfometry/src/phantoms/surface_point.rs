@@ -2,7 +2,8 @@
 
 use super::Phantom;
 use super::curved_triangles::Lattice;
-use crate::local_geometry::{Curvature, Jet};
+use crate::local_geometry::Curvature;
+use crate::surface::{dot, minus, unit};
 
 /// Where the exact surface is near a point of the world, and how it is curved there.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -30,7 +31,7 @@ impl Phantom {
         let mut foot = start;
         for _ in 0..STEPS {
             let jet = self.shape().jet(foot);
-            let (offset, normal) = (offset(start, foot), normal(&jet));
+            let (offset, normal) = (minus(start, foot), unit(jet.gradient));
             let along = dot(offset, normal);
             let down = jet.value / jet.gradient_magnitude();
             let step: [f64; 3] =
@@ -41,7 +42,7 @@ impl Phantom {
             }
         }
         let jet = self.shape().jet(foot);
-        let distance = dot(offset(start, foot), normal(&jet));
+        let distance = dot(minus(start, foot), unit(jet.gradient));
         let curvature = Curvature::of(&jet)?;
         distance.is_finite().then_some(SurfacePoint { distance, curvature })
     }
@@ -52,18 +53,6 @@ impl Phantom {
         let sums = Lattice::new(self.shape(), smallest / CELLS).sums();
         (sums.larger_squared / sums.area).sqrt()
     }
-}
-
-fn offset(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    std::array::from_fn(|n| a[n] - b[n])
-}
-
-fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
-    (0..3).map(|n| a[n] * b[n]).sum()
-}
-
-fn normal(jet: &Jet) -> [f64; 3] {
-    jet.gradient.map(|g| g / jet.gradient_magnitude())
 }
 
 #[cfg(test)]
@@ -82,7 +71,7 @@ mod tests {
             let world: [f64; 3] = std::array::from_fn(|a| {
                 let mut unit = [0.0; 3];
                 unit[a] = 1.0;
-                let column = offset(pose.to_shape(unit), pose.to_shape([0.0; 3]));
+                let column = minus(pose.to_shape(unit), pose.to_shape([0.0; 3]));
                 pose.shift()[a] + dot(column, target)
             });
             let point = phantom.surface_point(world).unwrap();

@@ -44,6 +44,11 @@ pub fn compensated_errors(measured: &Measured, truth: &Truth) -> [f64; 3] {
     ]
 }
 
+pub fn rms(values: impl Iterator<Item = f64>) -> f64 {
+    let (sum, count) = values.fold((0.0, 0.0), |(sum, count), v| (sum + v * v, count + 1.0));
+    (sum / count).sqrt()
+}
+
 pub fn codes(measured: &Measured) -> Vec<String> {
     measured.flags.iter().map(|f| f.code.to_string()).collect()
 }
