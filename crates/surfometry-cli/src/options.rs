@@ -217,7 +217,8 @@ impl MeasureOptions {
 
     /// What is asked of each input.
     pub(crate) fn inputs(&self, curvature: CurvatureScale) -> InputOptions {
-        InputOptions { labels: self.label.clone(), spacing: self.spacing.map(|s| s.mm()), curvature }
+        let (labels, spacing) = (self.label.clone(), self.spacing.map(|s| s.mm()));
+        InputOptions { labels, spacing, curvature, ..InputOptions::default() }
     }
 
     /// Whether sigma follows each image's spacing.

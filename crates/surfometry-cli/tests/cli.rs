@@ -60,7 +60,7 @@ fn json_is_the_contract() {
     };
     let error = |f: &&str| format!("compensated.standard_error.{f}");
     let mut expected: Vec<String> =
-        ["input", "label", "name"].iter().chain(&plain).map(ToString::to_string).collect();
+        ["input", "label", "name", "component"].iter().chain(&plain).map(ToString::to_string).collect();
     expected.extend(group("compensated", four));
     expected.push("compensated.standard_error".to_owned());
     expected.extend(four.iter().map(error));
@@ -76,6 +76,8 @@ fn json_is_the_contract() {
             "components",
             "cavities",
             "handles",
+            "euler_characteristic_expected",
+            "changes",
         ],
     ));
     expected.extend(group("truth", &plain[..6]));
@@ -193,7 +195,7 @@ fn output_is_written_whole_or_not_at_all() {
     assert_eq!(ok.status.code(), Some(0));
     assert!(ok.stdout.is_empty());
     let before = std::fs::read(folder.path().join("out.csv")).unwrap();
-    assert!(before.starts_with(b"input,label,name,volume_mm3"));
+    assert!(before.starts_with(b"input,label,name,component,volume_mm3"));
     let nowhere = run_in(folder.path(), &["measure", BALL, "-o", "no/such/folder/out.csv"]);
     assert_eq!(nowhere.status.code(), Some(2));
     let folder_itself = run_in(folder.path(), &["measure", BALL, "-o", "."]);

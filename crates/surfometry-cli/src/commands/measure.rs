@@ -14,8 +14,8 @@ use std::path::{Path, PathBuf};
 use surfometry::Measurement;
 use surfometry::measurement::CurvatureScale;
 use surfometry::runs::{
-    Failure, FileLedger, InputError, InputOptions, InputRecords, MapFile, MapStyle, Output, Record,
-    distinct_parts, measure_input, visit_objects, with_parts, write_map_files,
+    ExplainTopology, Failure, FileLedger, InputError, InputOptions, InputRecords, MapFile, MapStyle, Output,
+    Record, distinct_parts, measure_input, visit_objects, with_parts, write_map_files,
 };
 
 /// Measure the objects of label images
@@ -27,6 +27,7 @@ use surfometry::runs::{
 /// Exit status: 0 all measured, 1 some inputs failed (they are listed, the others are measured), 2 the command was
 /// wrong.
 #[derive(Debug, clap::Args)]
+#[expect(clippy::struct_excessive_bools, reason = "each is a switch of the command line")]
 pub(crate) struct Args {
     /// Files, patterns or phantoms
     #[arg(required = true, value_name = "INPUT")]
@@ -39,9 +40,13 @@ pub(crate) struct Args {
     /// `_NAME` and `_label-N` go before the ending
     #[arg(long, value_name = "FILE.png")]
     png: Option<PathBuf>,
-    /// Shows, in the table, what was added for the original object, term by term (docs/quantities.md)
+    /// Shows, in the table, what was added for the original object, term by term, and every place where the blur or the band changes
+    /// the object's topology (docs/quantities.md); the places are in JSON too, and are looked for where voxels and surface agree as well
     #[arg(long)]
     explain: bool,
+    /// Measures each 26-connected piece as an object of its own, the largest first
+    #[arg(long, conflicts_with = "png")]
+    per_component: bool,
     /// Says on stderr where the time went, stage by stage
     #[arg(long)]
     timings: bool,
@@ -52,7 +57,11 @@ pub(crate) struct Args {
 
 pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
     let measurement = args.options.measurement()?;
-    let wanted = args.options.inputs(CurvatureScale::AsMeasured);
+    let wanted = InputOptions {
+        explain_topology: if args.explain { ExplainTopology::Always } else { ExplainTopology::default() },
+        per_component: args.per_component,
+        ..args.options.inputs(CurvatureScale::AsMeasured)
+    };
     let inputs = expand(&args.inputs);
     check_output(args.results.path(), &inputs)?;
     check_output(args.png.as_deref(), &inputs)?;

@@ -9,7 +9,7 @@ use anyhow::{Result, bail};
 use clap::ValueEnum;
 use surfometry::Measurement;
 use surfometry::measurement::CurvatureScale;
-use surfometry::runs::{InputError, InputOptions, Output, Record, measure_input};
+use surfometry::runs::{ExplainTopology, InputError, InputOptions, Output, Record, measure_input};
 
 /// Measure the same objects over a range of sigma, thickness or level
 ///
@@ -108,7 +108,10 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
     if args.options.gives(args.over.to_possible_value().expect("none is skipped").get_name()) {
         bail!("the same length is swept and given: leave the option out");
     }
-    let wanted = args.options.inputs(CurvatureScale::AsMeasured);
+    let wanted = InputOptions {
+        explain_topology: ExplainTopology::Never,
+        ..args.options.inputs(CurvatureScale::AsMeasured)
+    };
     let inputs = expand(&args.inputs);
     check_output(args.results.path(), &inputs)?;
     let values = args.range.values(args.log);

@@ -3,7 +3,7 @@
 use comfy_table::{CellAlignment, Table, presets};
 use std::fmt::Write;
 use surfometry::accuracy::{Flag, FlagCode};
-use surfometry::measurement::EmbeddingKind;
+use surfometry::measurement::{ChangeStage, EmbeddingKind};
 use surfometry::runs::{Output, Record};
 
 /// A plain table with columns of numbers.
@@ -56,7 +56,30 @@ fn input_text(records: &[Record], explain: bool) -> String {
             layout.row(row);
         }
     }
-    heading(&records[0]) + &layout.text() + &flags_text(&records.iter().collect::<Vec<_>>())
+    let changes = if explain { changes_text(records) } else { String::new() };
+    heading(&records[0]) + &layout.text() + &changes + &flags_text(&records.iter().collect::<Vec<_>>())
+}
+
+/// Where the topology of the objects changes, place by place.
+fn changes_text(records: &[Record]) -> String {
+    let mut layout =
+        Layout::new(&["label", "changed by", "topology", "x mm", "y mm", "z mm", "width mm", "chi"]);
+    let mut any = false;
+    for record in records {
+        let label = name_in_table(record);
+        for change in record.measured.topology.changes.iter().flatten() {
+            any = true;
+            let by = match change.stage {
+                ChangeStage::Blur => "blur",
+                ChangeStage::Band => "band",
+            };
+            let mut row = vec![label.clone(), by.to_owned(), change.kind.to_string()];
+            row.extend(change.position_mm.map(digits));
+            row.extend([digits(change.width_mm), format!("{:+.3}", change.euler_characteristic())]);
+            layout.row(row);
+        }
+    }
+    if any { layout.text() } else { String::new() }
 }
 
 fn heading(record: &Record) -> String {
@@ -73,10 +96,16 @@ fn heading(record: &Record) -> String {
     )
 }
 
+/// An object's label, and which of its pieces it is.
+fn name_in_table(record: &Record) -> String {
+    let label = record.label.as_ref().map_or_else(String::new, ToString::to_string);
+    record.component.map_or(label.clone(), |component| format!("{label} #{component}"))
+}
+
 fn rows(record: &Record, explain: bool) -> Vec<Vec<String>> {
     let m = &record.measured;
     let number = |v: Option<f64>| v.map_or_else(|| "-".to_owned(), digits);
-    let label = record.label.as_ref().map_or_else(String::new, ToString::to_string);
+    let label = name_in_table(record);
     // Rounded before it is printed, and 0 added, so that no -0.000 appears.
     let thousandths = |chi: f64| (chi * 1000.0).round() / 1000.0 + 0.0;
     let chi = |v: Option<f64>| v.map_or_else(|| "-".to_owned(), |chi| format!("{:.3}", thousandths(chi)));
@@ -184,7 +213,7 @@ pub(crate) fn flags_text(records: &[&Record]) -> String {
 }
 
 fn shown_labels(raised: &[(&Record, &Flag)]) -> String {
-    let labels = raised.iter().filter_map(|(r, _)| r.label.as_ref()).map(ToString::to_string);
+    let labels = raised.iter().map(|(r, _)| name_in_table(r));
     let shown = labels.take(SHOWN_LABELS).collect::<Vec<_>>().join(", ");
     match raised.len().saturating_sub(SHOWN_LABELS) {
         0 => shown,

@@ -109,7 +109,7 @@ pub struct Evidence {
 }
 
 /// Largest distance of chi from an even integer that passes.
-const EULER_TOLERANCE: f64 = 0.25;
+const EULER_TOLERANCE: f64 = 0.15;
 /// Spacing ratio above which slices count as thick.
 const THICK_SLICE_RATIO: f64 = 1.8;
 /// Thickness in units of the largest spacing below which the delta is undersampled.
@@ -260,21 +260,31 @@ fn topology_flags(e: &Evidence) -> Vec<Flag> {
     }
     // Adding 0 turns -0 into 0.
     let even = 2.0 * (chi / 2.0).round() + 0.0;
-    if (chi - even).abs() > EULER_TOLERANCE {
+    let near = (chi - even).abs() <= EULER_TOLERANCE;
+    let mut flags = Vec::new();
+    if !near {
         let message = format!(
             "the Euler characteristic {chi:.3} is not near an even integer (a closed surface's is even): grid noise, \
              or the topology changes inside the band; the voxels' is {voxels}{mesh}"
         );
-        return vec![Flag::new(FlagCode::EulerNotInteger, message)];
+        flags.push(Flag::new(FlagCode::EulerNotInteger, message));
     }
-    if even != voxels as f64 {
+    let of_mesh = e.mesh.map(|m| m.euler_characteristic());
+    if of_mesh.is_some_and(|of_mesh| of_mesh != voxels) {
         let message = format!(
-            "the Euler characteristic is near {even}, the voxels' is {voxels}{mesh}: the blur closed or opened handles, cavities \
-             or bridges, or, where the grid is coarse for sigma or the object thin, it is noise that lies near an even number"
+            "the Euler characteristic of the blurred surface is {}, the voxels' {voxels}: the blur closed or opened handles, cavities or \
+             bridges",
+            of_mesh.unwrap_or_default()
         );
-        return vec![Flag::new(FlagCode::EulerDiffersFromVoxels, message)];
+        flags.push(Flag::new(FlagCode::EulerDiffersFromVoxels, message));
+    } else if near && even != voxels as f64 {
+        let message = format!(
+            "the Euler characteristic is near {even}, the voxels' is {voxels}{mesh}: noise that lies near an even number, as where the grid \
+             is coarse for sigma or the object thin"
+        );
+        flags.push(Flag::new(FlagCode::EulerDiffersFromVoxels, message));
     }
-    Vec::new()
+    flags
 }
 
 fn shape_flags(e: &Evidence) -> Vec<Flag> {

@@ -1,5 +1,6 @@
 //! Parameters -> all stages -> result.
 
+mod explanation;
 mod local_curvature;
 mod object;
 mod parameters;
@@ -11,6 +12,7 @@ mod streaming;
 mod voxel_map;
 mod voxels;
 
+pub use explanation::{ChangeStage, LocatedChange, TopologyExplanation, WeakestGradient};
 pub use local_curvature::CurvatureScale;
 pub use object::Object;
 pub use parameters::{Derivatives, EmbeddingKind, MeasureError, Parameters};

@@ -1,10 +1,11 @@
 //! What a measurement gives; names and units as in the JSON contract (DESIGN.md 4).
 
-use super::Parameters;
+use super::{LocatedChange, Parameters};
 use crate::accuracy::{CompensatedIntegrals, CompensationTerms, Flag, IntegralErrors};
 use crate::integrals::Integrals;
 use crate::phantoms::Truth;
 use crate::surface::SurfaceSummary;
+use crate::tiling::IndexBox;
 use crate::topology::VoxelTopology;
 use crate::volume::Grid;
 use serde::Serialize;
@@ -214,8 +215,16 @@ pub struct VoxelSummary {
     pub bounding_box: [[i64; 3]; 2],
 }
 
+impl VoxelSummary {
+    /// Voxels of the bounding box.
+    pub(crate) fn box_voxels(&self) -> usize {
+        let [first, last] = self.bounding_box;
+        IndexBox::new(first, last.map(|v| v + 1)).voxels()
+    }
+}
+
 /// Topology of surface and voxels.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct TopologySummary {
     /// V - E + F of the surface phi = 0.
     pub euler_characteristic_mesh: Option<i64>,
@@ -229,6 +238,10 @@ pub struct TopologySummary {
     pub cavities: u64,
     /// components + cavities - chi_26 / 2.
     pub handles: i64,
+    /// The Gauss-Bonnet characteristic that the band must see: the mean over its levels. `None` where it was not looked for.
+    pub euler_characteristic_expected: Option<f64>,
+    /// Where and what the blur and the band change; `None` where it was not looked for.
+    pub changes: Option<Vec<LocatedChange>>,
 }
 
 impl TopologySummary {
@@ -240,6 +253,8 @@ impl TopologySummary {
             components: topology.components,
             cavities: topology.cavities,
             handles: topology.handles,
+            euler_characteristic_expected: None,
+            changes: None,
         }
     }
 }

@@ -10,7 +10,7 @@ use crate::integrals::Band;
 use crate::local_geometry::{
     Differentiation, FiniteDifferences, GaussianDerivatives, Jet, MatchedDifferences,
 };
-use crate::surface::{Surface, VertexExtras};
+use crate::surface::{Surface, VertexExtras, cell_limits};
 use crate::tiling::IndexBox;
 use crate::volume::{FieldImage, Grid, Mask};
 
@@ -87,6 +87,11 @@ impl<'a> Scheme<'a> {
         let half_width = setup.band.delta().half_width();
         let voxel = IndexBox::voxel([0; 3]);
         with_scheme!(self, s => s.field_region(&voxel).upper[2] - voxel.upper[2] + s.embedding().halo(half_width)[2])
+    }
+
+    /// Box outside which the field is beyond the band.
+    pub(super) fn limits(&self, half_width: f64) -> IndexBox {
+        with_scheme!(self, s => cell_limits(s.embedding(), half_width))
     }
 
     pub(super) fn sums(&self, pass: &Pass) -> ObjectSums {

@@ -6,8 +6,8 @@ use serde_json::{Map, Value};
 const AXES: [&str; 3] = ["x", "y", "z"];
 const ENDS: [&str; 2] = ["min", "max"];
 
-/// Nested keys joined by `_`; vectors as `_x`, `_y`, `_z`, boxes as `_min_x` .. `_max_z`; flags as their codes joined
-/// by `;`.
+/// Nested keys joined by `_`; vectors as `_x`, `_y`, `_z`, boxes as `_min_x` .. `_max_z`; flags as their codes, changes of
+/// topology as their kinds, joined by `;`.
 pub fn flatten(record: &Value) -> Map<String, Value> {
     let mut row = Map::new();
     add(&mut row, "", record);
@@ -18,8 +18,9 @@ fn add(row: &mut Map<String, Value>, key: &str, value: &Value) {
     let join = |part: &str| if key.is_empty() { part.to_owned() } else { format!("{key}_{part}") };
     match value {
         Value::Object(fields) => fields.iter().for_each(|(name, v)| add(row, &join(name), v)),
-        Value::Array(flags) if key == "flags" => {
-            let codes: Vec<&str> = flags.iter().filter_map(|f| f["code"].as_str()).collect();
+        Value::Array(list) if key == "flags" || list.iter().any(Value::is_object) => {
+            let code = |entry: &Value| entry["code"].as_str().or(entry["kind"].as_str()).map(str::to_owned);
+            let codes: Vec<String> = list.iter().filter_map(code).collect();
             row.insert(key.to_owned(), codes.join(";").into());
         }
         Value::Array(list) => {

@@ -1,5 +1,6 @@
 //! One input: a file or a phantom.
 
+use super::objects::explain_records;
 use super::{Record, visit_objects};
 use crate::accuracy::{Flag, FlagCode};
 use crate::io::{ImageHeader, ReadError, ReadOptions, VoxelStream};
@@ -75,6 +76,18 @@ impl From<VolumeError> for InputError {
     }
 }
 
+/// When it is looked into where the blur and the band change an object's topology.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum ExplainTopology {
+    /// Never.
+    Never,
+    /// Where voxels, mesh and band disagree, unless the object is very large (2^27 voxels in its box).
+    #[default]
+    Disagreements,
+    /// Always.
+    Always,
+}
+
 /// What is asked of every input.
 #[derive(Debug, Clone, Default)]
 pub struct InputOptions {
@@ -84,6 +97,10 @@ pub struct InputOptions {
     pub spacing: Option<[f64; 3]>,
     /// At which blur surfaces are mapped; of no meaning to integrals.
     pub curvature: CurvatureScale,
+    /// Whether each 26-connected piece is an object of its own.
+    pub per_component: bool,
+    /// When it is said where the blur and the band change topology.
+    pub explain_topology: ExplainTopology,
 }
 
 /// An opened label input.
@@ -157,24 +174,28 @@ pub fn measure_input(
     options: &InputOptions,
     progress: impl Fn(Progress),
 ) -> Result<InputRecords, InputError> {
-    if measurement.embedding == EmbeddingKind::Given {
+    if measurement.embedding == EmbeddingKind::Given || options.per_component {
         let mut records = Vec::new();
-        visit_objects(input, measurement, options, |field| {
-            records.push(field.record());
+        visit_objects(input, measurement, options, |object| {
+            records.push(object.record());
             Ok(())
         })?;
-        let read = records.iter().filter_map(|r| r.measured.read_seconds).sum();
+        let read = records.first().and_then(|r: &Record| r.measured.read_seconds).unwrap_or_default();
         return Ok(InputRecords { records, read_seconds: read, decode_seconds: 0.0 });
     }
     if Phantom::is_spec(input) {
         let (phantom, truth, flags) = open_phantom(input, options.spacing)?;
         let streamed = measurement.run_slabs(&mut phantom.slabs(), &options.labels, progress)?;
-        return Ok(InputRecords::of(input, streamed, Duration::ZERO, truth, &flags));
+        let mut found = InputRecords::of(input, streamed, Duration::ZERO, truth, &flags);
+        explain_records(input, measurement, options, &mut found.records)?;
+        return Ok(found);
     }
     let mut stream = VoxelStream::open(Path::new(input), ReadOptions { spacing: options.spacing })?;
     let streamed = measurement.run_slabs(&mut stream, &options.labels, progress)?;
     let flags: Vec<Flag> = conflict_flag(stream.header(), options.spacing).into_iter().collect();
-    Ok(InputRecords::of(input, streamed, stream.file_time(), None, &flags))
+    let mut found = InputRecords::of(input, streamed, stream.file_time(), None, &flags);
+    explain_records(input, measurement, options, &mut found.records)?;
+    Ok(found)
 }
 
 /// The records of an input, and how long it took to have its voxels.
@@ -195,7 +216,7 @@ impl InputRecords {
             measured.read_seconds = Some(all);
             measured.truth = truth;
             measured.flags.splice(0..0, flags.iter().cloned());
-            Record { input: input.to_owned(), label: Some(label), name: None, measured }
+            Record { input: input.to_owned(), label: Some(label), component: None, name: None, measured }
         };
         let read_seconds = file.as_secs_f64();
         Self {

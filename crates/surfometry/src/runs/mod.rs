@@ -15,7 +15,9 @@ mod surface_record;
 pub use file_ledger::FileLedger;
 pub use file_names::{distinct_parts, input_title, with_parts};
 pub use flatten::{columns_of, flatten};
-pub use input::{InputError, InputOptions, InputRecords, LabelInput, measure_input, open_labels};
+pub use input::{
+    ExplainTopology, InputError, InputOptions, InputRecords, LabelInput, measure_input, open_labels,
+};
 #[cfg(feature = "pictures")]
 pub use map_files::{MapFile, MapStyle, write_map_files};
 pub use objects::{InputObject, visit_objects};

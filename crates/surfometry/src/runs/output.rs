@@ -44,6 +44,8 @@ pub struct Record {
     pub label: Option<LabelGroup>,
     /// The label's name, where a file holds one.
     pub name: Option<String>,
+    /// Which of the label's pieces, the largest being 1; `None` where all are one object.
+    pub component: Option<u64>,
     /// The results.
     #[serde(flatten)]
     pub measured: Measured,

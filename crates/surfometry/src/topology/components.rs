@@ -14,16 +14,34 @@ pub enum Connectivity {
     Background6,
 }
 
-/// A run of equal voxels in a row: half-open in x.
-type Run = (i64, i64);
+impl Connectivity {
+    /// The (y, z) of the rows before one, relative to it, whose runs may touch its runs.
+    pub(super) fn earlier_rows(self) -> &'static [(i64, i64)] {
+        match self {
+            Self::Foreground26 => &[(-1, 0), (-1, -1), (0, -1), (1, -1)],
+            Self::Background6 => &[(-1, 0), (0, -1)],
+        }
+    }
 
-/// Number of connected components. Memory is proportional to the number of runs, not of voxels.
-pub fn count_components(mask: &Mask, connectivity: Connectivity) -> u64 {
-    let mut counter = ComponentCounter::new(connectivity);
-    let region = mask.bounds().grown([1; 3]);
-    counter.add(mask, region.lower[2]..region.upper[2]);
-    counter.count()
+    /// How far apart two runs of neighbouring rows may end and still touch.
+    pub(super) fn slack(self) -> i64 {
+        match self {
+            Self::Foreground26 => 1,
+            Self::Background6 => 0,
+        }
+    }
+
+    /// The neighbours of a voxel.
+    pub(super) fn neighbours(self, [x, y, z]: [i64; 3]) -> impl Iterator<Item = [i64; 3]> {
+        let most: i64 = if self == Self::Foreground26 { 3 } else { 1 };
+        let steps = (0..27i64).map(|i| [i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1]);
+        let near = move |d: &[i64; 3]| (1..=most).contains(&d.iter().map(|v| v.abs()).sum());
+        steps.filter(near).map(move |[dx, dy, dz]| [x + dx, y + dy, z + dz])
+    }
 }
+
+/// A run of equal voxels in a row: half-open in x.
+pub(super) type Run = (i64, i64);
 
 /// Counts components slices by slices, remembering the last slice alone.
 #[derive(Debug, Clone)]
@@ -101,22 +119,21 @@ impl ComponentCounter {
 
     fn add_slice(&mut self, mask: &Mask, z: i64, region: &IndexBox) {
         let foreground = self.connectivity == Connectivity::Foreground26;
-        // 26: runs of neighbouring rows also touch where they end one voxel apart; 6: only rows that share a face.
-        let (slack, earlier): (i64, &[(i64, bool)]) = if foreground {
-            (1, &[(-1, false), (-1, true), (0, true), (1, true)])
-        } else {
-            (0, &[(-1, false), (0, true)])
-        };
         let (x0, x1) = (region.lower[0], region.upper[0]);
         let mut current = SliceOfRuns { first_row: region.lower[1], rows: Vec::new() };
         let previous = self.previous.take();
         for y in region.lower[1]..region.upper[1] {
             let runs = if foreground { mask.runs(y, z).collect() } else { gaps(mask.runs(y, z), x0, x1) };
             let first = self.sets.add(runs.len());
-            for &(dy, in_previous_slice) in earlier {
-                let slice = if in_previous_slice { previous.as_ref() } else { Some(&current) };
+            for &(dy, dz) in self.connectivity.earlier_rows() {
+                let slice = if dz < 0 { previous.as_ref() } else { Some(&current) };
                 if let Some((other_first, other)) = slice.and_then(|slice| slice.row(y + dy)) {
-                    join_touching(&mut self.sets, (first, &runs), (*other_first, other), slack);
+                    join_touching(
+                        &mut self.sets,
+                        (first, &runs),
+                        (*other_first, other),
+                        self.connectivity.slack(),
+                    );
                 }
             }
             if !foreground {
@@ -151,7 +168,7 @@ impl ComponentCounter {
 }
 
 /// What lies between runs on x0..x1.
-fn gaps(runs: impl Iterator<Item = Run>, x0: i64, x1: i64) -> Vec<Run> {
+pub(super) fn gaps(runs: impl Iterator<Item = Run>, x0: i64, x1: i64) -> Vec<Run> {
     let mut gaps = Vec::new();
     let mut start = x0;
     for (a, b) in runs {
@@ -166,7 +183,7 @@ fn gaps(runs: impl Iterator<Item = Run>, x0: i64, x1: i64) -> Vec<Run> {
     gaps
 }
 
-fn join_touching(
+pub(super) fn join_touching(
     sets: &mut DisjointSets,
     (first, runs): (usize, &[Run]),
     (other_first, other): (usize, &[Run]),
@@ -184,6 +201,7 @@ fn join_touching(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::topology::ComponentLabels;
     use crate::volume::Grid;
     use proptest::prelude::*;
 
@@ -227,7 +245,7 @@ mod tests {
             prop_assume!(!mask.is_empty());
             for connectivity in [Connectivity::Foreground26, Connectivity::Background6] {
                 let all = flood(n, &on, connectivity);
-                prop_assert_eq!(count_components(&mask, connectivity), all);
+                prop_assert_eq!(ComponentLabels::of(&mask, connectivity).count(), all);
                 // In parts, each of which holds no more than its slices and the one before.
                 for cuts in [[-1, 1, 5], [-1, 2, 5], [-1, 3, 5], [-1, 0, 5]] {
                     let mut counter = ComponentCounter::new(connectivity);

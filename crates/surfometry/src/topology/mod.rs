@@ -1,11 +1,16 @@
-//! Exact topology of the voxels: Euler numbers, components, cavities, handles.
+//! Exact topology of the voxels: Euler numbers, components, cavities, handles; and where two objects differ in it.
 
+mod changes;
+mod component_labels;
 mod components;
 mod disjoint_sets;
 mod euler;
+mod simple_voxel;
 
+pub use changes::{ChangeKind, TopologyChange, topology_changes};
+pub use component_labels::ComponentLabels;
 use components::ComponentCounter;
-pub use components::{Connectivity, count_components};
+pub use components::Connectivity;
 pub(crate) use disjoint_sets::DisjointSets;
 use euler::EulerNumbers;
 

@@ -1,7 +1,7 @@
 //! One object as bits.
 
 use super::Grid;
-use crate::tiling::IndexBox;
+use crate::tiling::{Block, IndexBox};
 
 const WORD: usize = u64::BITS as usize;
 
@@ -76,15 +76,74 @@ impl Mask {
                 }
             }
         });
-        whole.cropped(bounds)
+        whole.on_bounds(bounds)
     }
 
-    fn cropped(&self, bounds: IndexBox) -> Self {
-        Self::from_rows(self.grid, bounds, |y, z, row| {
-            for (x, voxel) in row.iter_mut().enumerate() {
-                *voxel = self.get([bounds.lower[0] + x as i64, y as i64, z as i64]);
+    /// A mask without voxels, which may be set in a box.
+    pub(crate) fn cleared(grid: Grid, bounds: IndexBox) -> Self {
+        let [nx, ny, nz] = bounds.extent();
+        let words_a_row = nx.div_ceil(WORD);
+        Self { grid, bounds, words_a_row, bits: vec![0; words_a_row * ny * nz] }
+    }
+
+    /// The voxels of a block whose values are inside, with the block's box as its bounds.
+    pub(crate) fn of_values<T: Copy>(grid: Grid, values: &Block<T>, inside: impl Fn(T) -> bool) -> Self {
+        let region = values.region();
+        let mut mask = Self::cleared(grid, region);
+        for (y, z) in region.rows() {
+            for (word, chunk) in mask.row_mut(y, z).iter_mut().zip(values.row(y, z).chunks(WORD)) {
+                *word = chunk.iter().enumerate().fold(0, |w, (bit, &v)| w | u64::from(inside(v)) << bit);
             }
-        })
+        }
+        mask
+    }
+
+    /// The part in a box, with the box as its bounds.
+    pub(crate) fn on_bounds(&self, bounds: IndexBox) -> Self {
+        let mut part = Self::cleared(self.grid, bounds);
+        for (y, z) in bounds.rows() {
+            self.runs(y, z).for_each(|run| part.set_run(run, y, z));
+        }
+        part
+    }
+
+    /// Puts a voxel of the bounds inside or outside.
+    pub(crate) fn set(&mut self, [x, y, z]: [i64; 3], inside: bool) {
+        let x = (x - self.bounds.lower[0]) as usize;
+        let word = &mut self.row_mut(y, z)[x / WORD];
+        let bit = 1 << (x % WORD);
+        *word = if inside { *word | bit } else { *word & !bit };
+    }
+
+    /// Puts a run of a row of the bounds inside; what lies outside them is left out.
+    pub(crate) fn set_run(&mut self, (start, end): (i64, i64), y: i64, z: i64) {
+        let (x0, x1) = (self.bounds.lower[0], self.bounds.upper[0]);
+        let (start, end) = (start.max(x0), end.min(x1));
+        if start < end {
+            set_bits(self.row_mut(y, z), (start - x0) as usize, (end - x0) as usize);
+        }
+    }
+
+    fn row_mut(&mut self, y: i64, z: i64) -> &mut [u64] {
+        let start = self.row_start(y, z);
+        &mut self.bits[start..][..self.words_a_row]
+    }
+
+    /// Where the bits of a row of the bounds begin.
+    fn row_start(&self, y: i64, z: i64) -> usize {
+        let IndexBox { lower, upper } = self.bounds;
+        ((z - lower[2]) * (upper[1] - lower[1]) + (y - lower[1])) as usize * self.words_a_row
+    }
+
+    /// The voxels in which two masks with the same bounds differ, x fastest.
+    pub(crate) fn differences(&self, other: &Self) -> Vec<[i64; 3]> {
+        let mut voxels = Vec::new();
+        for (y, z) in self.bounds.rows() {
+            let words: Vec<u64> = self.row(y, z).iter().zip(other.row(y, z)).map(|(a, b)| a ^ b).collect();
+            let runs = Runs { words: &words, position: 0, offset: self.bounds.lower[0] };
+            voxels.extend(runs.flat_map(|(a, b)| a..b).map(|x| [x, y, z]));
+        }
+        voxels
     }
 
     /// The grid of the image that the object lies in.
@@ -123,8 +182,7 @@ impl Mask {
         if y < y0 || y >= y1 || z < z0 || z >= z1 {
             return &[];
         }
-        let number = ((z - z0) * (y1 - y0) + (y - y0)) as usize;
-        &self.bits[number * self.words_a_row..][..self.words_a_row]
+        &self.bits[self.row_start(y, z)..][..self.words_a_row]
     }
 
     /// Runs of inside voxels in the row at y, z, as half-open x intervals in image indices, ascending.

@@ -1,0 +1,137 @@
+//! Which component a voxel belongs to.
+
+use super::DisjointSets;
+use super::components::{Connectivity, Run, gaps, join_touching};
+use crate::tiling::IndexBox;
+use crate::volume::Mask;
+use std::collections::HashMap;
+
+/// The connected components of an object, or of the background around and within it. Memory is proportional to the number of runs, not
+/// of voxels.
+#[derive(Debug, Clone)]
+pub struct ComponentLabels {
+    connectivity: Connectivity,
+    region: IndexBox,
+    runs: Vec<Run>,
+    /// By row of the region, one past its last run.
+    ends: Vec<usize>,
+    /// A member a run, and one more for each voxel that was added later.
+    sets: DisjointSets,
+}
+
+impl ComponentLabels {
+    /// Labels the components of a mask. Everything beyond its bounding box is one of the background's.
+    pub fn of(mask: &Mask, connectivity: Connectivity) -> Self {
+        // A rim of background joins what reaches it.
+        let region = match connectivity {
+            Connectivity::Foreground26 => mask.bounds(),
+            Connectivity::Background6 => mask.bounds().grown([1; 3]),
+        };
+        let (x0, x1) = (region.lower[0], region.upper[0]);
+        let mut labels =
+            Self { connectivity, region, runs: Vec::new(), ends: Vec::new(), sets: DisjointSets::default() };
+        for (y, z) in region.rows() {
+            let first = labels.runs.len();
+            match connectivity {
+                Connectivity::Foreground26 => labels.runs.extend(mask.runs(y, z)),
+                Connectivity::Background6 => labels.runs.extend(gaps(mask.runs(y, z), x0, x1)),
+            }
+            labels.sets.add(labels.runs.len() - first);
+            labels.ends.push(labels.runs.len());
+            for (dy, dz) in connectivity.earlier_rows() {
+                let (here, there) = (labels.row(y, z), labels.row(y + dy, z + dz));
+                let runs = |row: &std::ops::Range<usize>| &labels.runs[row.clone()];
+                let (here, there) = ((here.start, runs(&here)), (there.start, runs(&there)));
+                join_touching(&mut labels.sets, here, there, connectivity.slack());
+            }
+        }
+        labels
+    }
+
+    /// Number of components.
+    pub fn count(&self) -> u64 {
+        self.sets.count()
+    }
+
+    /// The components of an object as objects, the largest first; of equal ones, the one that begins first.
+    pub fn masks(&mut self, mask: &Mask) -> Vec<Mask> {
+        let mut boxes: HashMap<usize, (usize, u64, IndexBox)> = HashMap::new();
+        let rows: Vec<(i64, i64)> = self.region.rows().collect();
+        for &(y, z) in &rows {
+            for number in self.row(y, z) {
+                let (a, b) = self.runs[number];
+                let root = self.sets.root(number);
+                let (_, voxels, all) = boxes.entry(root).or_insert((number, 0, IndexBox::EMPTY));
+                *voxels += (b - a) as u64;
+                *all = all.hull(&IndexBox::new([a, y, z], [b, y + 1, z + 1]));
+            }
+        }
+        let mut components: Vec<_> = boxes.into_iter().collect();
+        components.sort_by_key(|(_, (first, voxels, _))| (std::cmp::Reverse(*voxels), *first));
+        let mut component = |(root, (_, _, all)): (usize, (usize, u64, IndexBox))| {
+            let mut part = Mask::cleared(*mask.grid(), all);
+            for (y, z) in all.rows() {
+                for number in self.row(y, z) {
+                    if self.sets.root(number) == root {
+                        part.set_run(self.runs[number], y, z);
+                    }
+                }
+            }
+            part
+        };
+        components.into_iter().map(&mut component).collect()
+    }
+
+    /// Adds voxels that were not labelled, to which none that was added before is a neighbour; by how much the number of components
+    /// grows.
+    pub(super) fn grow(&mut self, voxels: &[[i64; 3]]) -> i64 {
+        let first = self.sets.add(voxels.len());
+        let added: HashMap<[i64; 3], usize> = voxels.iter().copied().zip(first..).collect();
+        let mut touching = Vec::new();
+        for (voxel, number) in voxels.iter().zip(first..) {
+            for neighbour in self.connectivity.neighbours(*voxel) {
+                if let Some(&other) = added.get(&neighbour) {
+                    touching.push((number, other, false));
+                } else if let Some(other) = self.member_at(neighbour) {
+                    touching.push((number, other, true));
+                }
+            }
+        }
+        let distinct = |sets: &mut DisjointSets, members: Vec<usize>| {
+            let mut roots: Vec<usize> = members.into_iter().map(|member| sets.root(member)).collect();
+            roots.sort_unstable();
+            roots.dedup();
+            roots.len() as i64
+        };
+        let labelled: Vec<usize> = touching.iter().filter(|t| t.2).map(|t| t.1).collect();
+        let before = distinct(&mut self.sets, labelled);
+        for &(a, b, _) in &touching {
+            self.sets.join(a, b);
+        }
+        // What they touch is in one of their sets now.
+        distinct(&mut self.sets, (first..first + voxels.len()).collect()) - before
+    }
+
+    /// A member of the component that a voxel is labelled with.
+    fn member_at(&self, [x, y, z]: [i64; 3]) -> Option<usize> {
+        if !self.region.contains([x, y, z]) {
+            // The rim's first run is the outside's.
+            return (self.connectivity == Connectivity::Background6).then_some(0);
+        }
+        let row = self.row(y, z);
+        let place = row.start + self.runs[row.clone()].partition_point(|run| run.1 <= x);
+        (place < row.end && self.runs[place].0 <= x).then_some(place)
+    }
+
+    /// The runs of a row that was labelled; none elsewhere.
+    fn row(&self, y: i64, z: i64) -> std::ops::Range<usize> {
+        let [_, y0, z0] = self.region.lower;
+        let [_, y1, _] = self.region.upper;
+        if y < y0 || y >= y1 || z < z0 {
+            return 0..0;
+        }
+        let number = ((z - z0) * (y1 - y0) + (y - y0)) as usize;
+        let end = self.ends.get(number).copied().unwrap_or_default();
+        number.checked_sub(1).map_or(0, |before| self.ends.get(before).copied().unwrap_or(end))..end
+    }
+}
