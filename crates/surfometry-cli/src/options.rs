@@ -5,7 +5,7 @@ use clap::{Args, ValueEnum};
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use surfometry::integrals::{QuadratureRule, Smearing};
-use surfometry::measurement::{CurvatureScale, Derivatives, EmbeddingKind, Measurement};
+use surfometry::measurement::{Clip, CurvatureScale, Derivatives, EmbeddingKind, Measurement};
 use surfometry::runs::InputOptions;
 use surfometry::volume::{LabelSelection, Spacing};
 
@@ -117,6 +117,12 @@ impl CurvatureOptions {
     }
 }
 
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+enum ClipOption {
+    Cap,
+    Exclude,
+}
+
 /// How and what to measure.
 #[derive(Debug, Args)]
 pub(crate) struct MeasureOptions {
@@ -147,6 +153,9 @@ pub(crate) struct MeasureOptions {
     /// Profile of the delta [default: sine]
     #[arg(long, value_enum)]
     delta: Option<DeltaOption>,
+    /// What becomes of objects that the edge of the image cuts: closed with a flat cap, or measured between sections 3 sigma from the cuts
+    #[arg(long, value_enum, default_value = "cap")]
+    clip: ClipOption,
     /// The paper's choices: finite-difference, simpson, sigma 2, thickness 2.5; options given beside it win
     #[arg(long)]
     paper: bool,
@@ -203,7 +212,10 @@ impl MeasureOptions {
                 DeltaOption::Tanh => Smearing::Tanh,
             });
         }
-        Ok(m)
+        Ok(m.clip(match self.clip {
+            ClipOption::Cap => Clip::Cap,
+            ClipOption::Exclude => Clip::Exclude,
+        }))
     }
 
     /// Whether a length or level was given.

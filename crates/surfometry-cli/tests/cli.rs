@@ -80,6 +80,7 @@ fn json_is_the_contract() {
             "changes",
         ],
     ));
+    expected.push("clip".to_owned());
     expected.extend(group("truth", &plain[..6]));
     expected.extend(group(
         "parameters",
@@ -92,6 +93,7 @@ fn json_is_the_contract() {
             "thickness_mm",
             "level",
             "epsilon",
+            "clip",
             "curvature_sigma_mm",
         ],
     ));

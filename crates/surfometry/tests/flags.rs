@@ -5,7 +5,7 @@ mod common;
 use common::{codes, measure, phantom, poses};
 use surfometry::Measurement;
 use surfometry::measurement::{EmbeddingKind, Measured};
-use surfometry::phantoms::{Ball, Phantom, Pose, RoundedBox, Torus};
+use surfometry::phantoms::{Ball, Phantom, Pose, RoundedBox, Torus, TwoBalls};
 use surfometry::volume::{FieldImage, FieldValues, Grid, Mask};
 
 fn ball(radius: f64, spacing: [f64; 3], m: &Measurement) -> Measured {
@@ -282,4 +282,41 @@ fn truth_that_cannot_be_had() {
     let fine = surfometry::runs::open_labels("phantom:gyroid?period=6&size=60", None).unwrap();
     assert!(fine.truth.is_none());
     assert_eq!(fine.flags[0].code.to_string(), "truth-not-converged");
+}
+
+/// Two balls with a gap of 1.5 sigma, and of 3 sigma, which the band does not reach; a block with a fin of 2 sigma, and one of 5.
+#[test]
+fn narrow_places() {
+    let told = |measured: &Measured, code: &str| {
+        measured.flags.iter().find(|flag| flag.code.to_string() == code).map(|flag| flag.message.clone())
+    };
+    for spacing in [[1.0; 3], [0.8, 1.0, 0.7]] {
+        let apart = |gap: f64| {
+            let balls = TwoBalls { radius: 12.0, length: 24.0 + gap };
+            let phantom = Phantom::new(balls, poses()[0], spacing).unwrap();
+            measure(&phantom, &Measurement::default().sigma_mm(2.0))
+        };
+        let near = told(&apart(3.0), "narrow-gap").expect("raised");
+        // At the world's origin, within two voxels.
+        let place = near.split("narrowest at (").nth(1).and_then(|rest| rest.split(')').next()).unwrap();
+        let off = |v: &str| (v.trim().parse::<f64>().unwrap() - 0.3).abs() < 2.0;
+        assert!(place.split(',').all(off), "{near}");
+        assert!(told(&apart(6.0), "narrow-gap").is_none());
+
+        let grid = Grid::axis_aligned([60, 60, 60], spacing).unwrap();
+        let fin = |width: f64| {
+            let mask = Mask::from_predicate(grid, |index| {
+                let [x, y, z]: [f64; 3] = std::array::from_fn(|a| index[a] as f64 * spacing[a]);
+                let block = (4.0..24.0).contains(&x) && (4.0..36.0).contains(&y) && (4.0..34.0).contains(&z);
+                block
+                    || (24.0..40.0).contains(&x)
+                        && (20.0..20.0 + width).contains(&y)
+                        && (8.0..30.0).contains(&z)
+            });
+            Measurement::default().sigma_mm(2.0).run(&mask).unwrap()
+        };
+        let thin = told(&fin(4.0), "thin-for-sigma").expect("raised");
+        assert!(thin.contains("narrowest at (") || thin.contains("off the voxels"), "{thin}");
+        assert!(told(&fin(10.0), "thin-for-sigma").is_none(), "{:?}", fin(10.0).flags);
+    }
 }

@@ -7,9 +7,10 @@ mod common;
 use common::shared;
 use surfometry::Measurement;
 use surfometry::io::read_labels;
-use surfometry::measurement::{Derivatives, EmbeddingKind, Measured};
+use surfometry::measurement::{Clip, Derivatives, EmbeddingKind, Measured};
 use surfometry::runs::{InputOptions, measure_input};
 use surfometry::topology::VoxelTopology;
+use surfometry::volume::{Grid, Mask};
 
 fn femur(measurement: &Measurement) -> Measured {
     let image = read_labels(shared("bone/libhip_m3_left_proximal_femur_1mm.nii.gz")).unwrap();
@@ -205,4 +206,33 @@ fn undoing_the_displacement_gives_the_femurs_area_back() {
     let after = mesh.mesh.area() / 24_385.0 - 1.0;
     println!("area {:+.2} %, moved back {:+.2} %", 100.0 * before, 100.0 * after);
     assert!(before < -0.02 && after.abs() < 6e-3, "{before} {after}");
+}
+
+/// The shaft of a femur that the image cuts at two heights differs by the bone that is gone, and by nothing else: by what is measured of that
+/// bone alone. With caps, the mean of H follows the cut.
+#[test]
+#[cfg_attr(not(shared_data), ignore = "../shared/data is absent")]
+fn femurs_cut_at_two_heights() {
+    let image = read_labels(shared("bone/libhip_m3_left_proximal_femur_1mm.nii.gz")).unwrap();
+    let femur = image.mask(1);
+    let part = |slices: std::ops::Range<usize>| {
+        let [nx, ny, _] = image.grid().dimensions();
+        let grid = Grid::axis_aligned([nx, ny, slices.len()], [1.0; 3]).unwrap();
+        let mask =
+            Mask::from_predicate(grid, |[x, y, z]| femur.get([x, y, z + slices.start].map(|v| v as i64)));
+        sigma_two().clip(Clip::Exclude).run(&mask).unwrap()
+    };
+    // What is measured begins and ends 6 slices inside.
+    let (long, short, gone) = (part(30..189), part(40..189), part(30..52));
+    let values = |m: &Measured| {
+        let c = &m.compensated;
+        [c.volume_mm3, c.surface_area_mm2, c.total_mean_curvature_mm].map(|v| v.expect("a number"))
+    };
+    for ((long, short), gone) in values(&long).into_iter().zip(values(&short)).zip(values(&gone)) {
+        assert!(((long - short) / gone - 1.0).abs() < 5e-4, "{long} - {short} for {gone}");
+    }
+    // The open femur ends in one section: a disc. The piece of shaft is a tube.
+    for (m, chi) in [(&long, 1.0), (&short, 1.0), (&gone, 0.0)] {
+        assert!((m.euler_characteristic.unwrap() - chi).abs() < 0.02, "{:?}", m.euler_characteristic);
+    }
 }

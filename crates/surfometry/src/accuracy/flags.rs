@@ -27,6 +27,8 @@ pub enum FlagCode {
     EulerNotInteger,
     /// The Gauss-Bonnet characteristic is near another even integer than the voxels'.
     EulerDiffersFromVoxels,
+    /// The object is cut so that nothing of it is left between the cuts.
+    NothingBetweenCuts,
     /// The blur removed the object.
     SurfaceVanished,
     /// No voxel lies in the band.
@@ -39,6 +41,8 @@ pub enum FlagCode {
     CompensationFailed,
     /// Parts of the object are thinner than about 3 sigma.
     ThinForSigma,
+    /// Gaps between parts of the object are narrower than about 2.4 sigma.
+    NarrowGap,
     /// Compensation is not defined for these parameters.
     CompensationUndefined,
     /// The distance embedding is quantised: its curvature is noise.
@@ -79,6 +83,15 @@ impl Flag {
     }
 }
 
+/// A narrow place, and how much of the band lies in such.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct NarrowPlace {
+    /// Share of the band's voxels.
+    pub share: f64,
+    /// The narrowest, in the world (RAS), mm.
+    pub position_mm: [f64; 3],
+}
+
 /// What flags are raised from.
 #[derive(Debug, Clone, Copy)]
 pub struct Evidence {
@@ -100,6 +113,10 @@ pub struct Evidence {
     pub voxel_volume: f64,
     /// Exact Euler characteristic of the voxels' surface.
     pub voxel_euler: i64,
+    /// Where the object, and where the gaps in it, are so narrow that the blurred edges of both sides meet in the band.
+    pub narrow: [Option<NarrowPlace>; 2],
+    /// Of a surface that is open where the image cuts the object, the curvature of its boundary (Gauss-Bonnet).
+    pub boundary_curvature: Option<f64>,
     /// Volume for the original object, mm^3.
     pub compensated_volume: Option<f64>,
     /// The plain integrals; `None` where nothing is inside the level set.
@@ -128,6 +145,10 @@ const MESH_TOLERANCE: f64 = 0.05;
 const FLAT_SHARE: f64 = 0.03;
 /// Thickness in units of sigma beyond which the corrected embedding's integrals are biased (at 2.5 by 12 % in V: FACTS 0).
 const CORRECTED_THICKNESS: f64 = 1.6;
+/// Share of the band's voxels in narrow places from which on they are told of.
+const NARROW_SHARE: f64 = 0.005;
+/// Least sigma, in largest spacings, at which narrow places can be told from steps between slices.
+const NARROW_SIGMA: f64 = 1.2;
 /// Share of the saturation from which on the band is said to leave the blurred edge.
 const SATURATED_SHARE: f64 = 0.98;
 
@@ -174,6 +195,11 @@ fn grid_flags(e: &Evidence) -> Vec<Flag> {
 }
 
 fn band_flags(e: &Evidence) -> Vec<Flag> {
+    if e.plain.is_none() && e.boundary_curvature.is_some() && e.voxel_volume == 0.0 {
+        let message = "no voxel of the object lies 3 sigma away from the faces that cut it, so there is nothing to measure between them; use \
+                       --clip cap, or a smaller --sigma";
+        return vec![Flag::new(FlagCode::NothingBetweenCuts, message)];
+    }
     if e.plain.is_none() {
         let message = "nothing is left inside the level set at this sigma and level, so the integrals are null; use a smaller \
                        --sigma";
@@ -249,6 +275,9 @@ fn mesh_flag(e: &Evidence, plain: &Integrals) -> Option<Flag> {
 fn topology_flags(e: &Evidence) -> Vec<Flag> {
     let Some(plain) = e.with_surface() else { return Vec::new() };
     let chi = plain.surface.gaussian / std::f64::consts::TAU;
+    if let Some(boundary) = e.boundary_curvature {
+        return open_topology_flags(e, chi + boundary / std::f64::consts::TAU);
+    }
     let voxels = e.voxel_euler;
     let mesh = e.mesh.map_or_else(String::new, |m| format!(" and the mesh's {}", m.euler_characteristic()));
     if e.distance {
@@ -287,6 +316,19 @@ fn topology_flags(e: &Evidence) -> Vec<Flag> {
     flags
 }
 
+/// Of an open surface, whose Euler characteristic is any whole number; the voxels have none that compares.
+fn open_topology_flags(e: &Evidence, chi: f64) -> Vec<Flag> {
+    let Some(mesh) = e.mesh.map(|mesh| mesh.euler_characteristic()) else { return Vec::new() };
+    if (chi - mesh as f64).abs() <= EULER_TOLERANCE {
+        return Vec::new();
+    }
+    let message = format!(
+        "the Euler characteristic {chi:.3} of the open surface, its boundary included, is not the mesh's {mesh}: grid noise, the topology \
+         changes inside the band, or the surface touches a cut"
+    );
+    vec![Flag::new(FlagCode::EulerNotInteger, message)]
+}
+
 fn shape_flags(e: &Evidence) -> Vec<Flag> {
     let (Some(sigma), Some(plain)) = (e.sigma, e.with_surface()) else { return Vec::new() };
     let mut flags = Vec::new();
@@ -306,6 +348,7 @@ fn shape_flags(e: &Evidence) -> Vec<Flag> {
         );
         flags.push(Flag::new(FlagCode::ThinForSigma, message));
     }
+    flags.extend(narrow_flags(e, sigma, &flags));
     if e.compensation_failed() {
         let message = format!(
             "the compensated volume would be {:+.0} % off the voxels', so the compensated values are null: the object is \
@@ -315,6 +358,51 @@ fn shape_flags(e: &Evidence) -> Vec<Flag> {
         flags.push(Flag::new(FlagCode::CompensationFailed, message));
     }
     flags
+}
+
+/// Of parts and gaps in which the edges of both sides meet; parts only where nothing else was said of them.
+fn narrow_flags(e: &Evidence, sigma: f64, so_far: &[Flag]) -> Vec<Flag> {
+    // The steps between slices that sigma does not smooth look the same.
+    if sigma < NARROW_SIGMA * e.spacing.largest() {
+        return Vec::new();
+    }
+    let told = so_far.iter().any(|flag| flag.code == FlagCode::ThinForSigma);
+    let [part, gap] = e.narrow.map(|place| place.filter(|place| place.share > NARROW_SHARE));
+    let about = |place: NarrowPlace| {
+        format!(
+            "less than about 2.4 sigma = {:.3} mm wide ({:.1} % of the band, the narrowest at {})",
+            2.4 * sigma,
+            100.0 * place.share,
+            place_text(place.position_mm, e.spacing.smallest())
+        )
+    };
+    let thin = part.filter(|_| !told).map(|place| {
+        let message = format!(
+            "parts are {}: the blur thins or removes them and compensation is incomplete there; use a smaller --sigma",
+            about(place)
+        );
+        Flag::new(FlagCode::ThinForSigma, message)
+    });
+    let narrow = gap.map(|place| {
+        let message = format!(
+            "gaps are {}: the blur fills them in part and compensation is incomplete there; use a smaller --sigma",
+            about(place)
+        );
+        Flag::new(FlagCode::NarrowGap, message)
+    });
+    thin.into_iter().chain(narrow).collect()
+}
+
+/// A place in the world, to a tenth of a voxel.
+pub(crate) fn place_text(position_mm: [f64; 3], finest_mm: f64) -> String {
+    let decimals = decimals_for(finest_mm);
+    let [x, y, z] = position_mm.map(|v| format!("{v:.decimals$}"));
+    format!("({x}, {y}, {z}) mm")
+}
+
+/// Decimals that tell tenths of a voxel apart.
+pub(crate) fn decimals_for(finest_mm: f64) -> usize {
+    (1.0 - libm::floor(libm::log10(finest_mm))).clamp(0.0, 9.0) as usize
 }
 
 impl Evidence {

@@ -9,7 +9,8 @@ mod uncertainty;
 
 pub use compensation::{CompensatedIntegrals, CompensationTerms, compensation_terms};
 pub use curvature_scale::{PILOT_SPACINGS, auto_curvature_sigma, rms_spacing};
-pub use flags::{Evidence, Flag, FlagCode, raise_flags};
+pub use flags::{Evidence, Flag, FlagCode, NarrowPlace, raise_flags};
+pub(crate) use flags::{decimals_for, place_text};
 pub use local_errors::{CurvatureErrors, LocalErrorModel};
 pub use scale::{
     AUTO_SIGMA_SPACINGS, AUTO_THICKNESS_SPACINGS, auto_sigma, auto_thickness, auto_thickness_of_blur,

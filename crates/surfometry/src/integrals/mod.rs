@@ -6,7 +6,7 @@ mod quadrature;
 mod smeared;
 
 pub use band::Band;
-pub use partial::{Partial, SurfaceIntegrals};
+pub use partial::{NarrowVoxels, Partial, SurfaceIntegrals};
 pub use quadrature::{Quadrature, QuadratureRule};
 pub use smeared::{SmearedDelta, Smearing};
 
@@ -48,6 +48,8 @@ pub struct Integrals {
     pub band_voxels: u64,
     /// Band voxels left out of the surface integrals because the gradient has collapsed there.
     pub voxels_without_normal: u64,
+    /// Band voxels within narrow parts of the object, and within narrow gaps.
+    pub narrow: [NarrowVoxels; 2],
 }
 
 impl Integrals {
@@ -65,6 +67,7 @@ impl Integrals {
             inside_voxels: whole.inside_voxels,
             band_voxels: whole.band_voxels,
             voxels_without_normal: whole.voxels_without_normal,
+            narrow: whole.narrow,
         }
     }
 }

@@ -104,6 +104,30 @@ pub struct Partial {
     pub band_voxels: u64,
     /// Band voxels whose gradient has collapsed.
     pub voxels_without_normal: u64,
+    /// Band voxels within narrow parts, phi < 0, and within narrow gaps.
+    pub narrow: [NarrowVoxels; 2],
+}
+
+/// Band voxels whose gradient shows that another surface is near.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct NarrowVoxels {
+    /// How many.
+    pub voxels: u64,
+    /// The one with the least gradient, as a share of a flat edge's, and that share.
+    pub narrowest: Option<([i64; 3], f64)>,
+}
+
+impl NarrowVoxels {
+    fn add(&mut self, index: [i64; 3], share: f64) {
+        self.merge(&Self { voxels: 1, narrowest: Some((index, share)) });
+    }
+
+    fn merge(&mut self, other: &Self) {
+        self.voxels += other.voxels;
+        let [here, there] = [self.narrowest, other.narrowest];
+        let order = |a: &([i64; 3], f64), b: &([i64; 3], f64)| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0));
+        self.narrowest = here.into_iter().chain(there).min_by(order);
+    }
 }
 
 impl Partial {
@@ -143,6 +167,7 @@ impl Partial {
                 }
                 partial.band_voxels = sums.voxels;
                 partial.voxels_without_normal = sums.without_normal;
+                partial.narrow = sums.narrow;
             }
         }
         partial
@@ -182,6 +207,7 @@ impl Partial {
         self.inside_voxels += other.inside_voxels;
         self.band_voxels += other.band_voxels;
         self.voxels_without_normal += other.voxels_without_normal;
+        self.narrow.iter_mut().zip(&other.narrow).for_each(|(narrow, more)| narrow.merge(more));
         self
     }
 
@@ -219,6 +245,7 @@ struct BandSums {
     faces: [Lanes; 3],
     voxels: u64,
     without_normal: u64,
+    narrow: [NarrowVoxels; 2],
 }
 
 impl BandSums {
@@ -239,12 +266,23 @@ impl BandSums {
             if !weights.uniform {
                 weight.iter_mut().zip(&mut indices).for_each(|(w, index)| *w = weights.at(index));
             }
-            self.add_lanes(columns, &weight, band);
+            let gradients = self.add_lanes(columns, &weight, band);
+            let is_narrow = |lane: usize| band.is_narrow(columns[0][lane], gradients[lane]);
+            if (0..count).any(is_narrow) {
+                let lanes = voxels.indices().skip(start).take(count).enumerate();
+                for (lane, index) in lanes.filter(|&(lane, _)| is_narrow(lane)) {
+                    let phi = columns[0][lane];
+                    let share = gradients[lane] / band.slope_of_edge(phi);
+                    self.narrow[usize::from(phi >= 0.0)].add(index, share);
+                }
+            }
         }
     }
 
+    /// Adds voxels; their gradients.
     #[inline(always)]
-    fn add_lanes(&mut self, columns: [&Lanes; 10], weight: &Lanes, band: &Band) {
+    fn add_lanes(&mut self, columns: [&Lanes; 10], weight: &Lanes, band: &Band) -> Lanes {
+        let mut gradients = [0.0; LANES];
         let (delta, heaviside) = band.delta().lanes(columns[0]);
         let mut curvatures = [Curvature { mean: 0.0, gaussian: 0.0 }; LANES];
         let (mut areas, mut without) = ([0.0; LANES], [0.0; LANES]);
@@ -255,6 +293,7 @@ impl BandSums {
                 hessian: std::array::from_fn(|n| columns[4 + n][lane]),
             };
             let gradient = jet.gradient_magnitude();
+            gradients[lane] = gradient;
             let along_axis = ALONG_AXIS * gradient;
             let curvature = Curvature::formula(&jet);
             let stands = band.stands(gradient) & curvature.is_finite();
@@ -275,6 +314,7 @@ impl BandSums {
             // A quadrature's weights are never 0.
             self.without_normal += u64::from(without[lane] > 0.0 && weight[lane] > 0.0);
         }
+        gradients
     }
 }
 

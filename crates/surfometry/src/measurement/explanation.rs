@@ -1,7 +1,7 @@
 //! Why voxels, mesh and band disagree about an object's topology, and where.
 
 use super::{Measured, Object, VoxelQuantity};
-use crate::accuracy::FlagCode;
+use crate::accuracy::{FlagCode, decimals_for, place_text};
 use crate::tiling::Block;
 use crate::topology::{ChangeKind, TopologyChange, topology_changes};
 use crate::volume::{Grid, Mask};
@@ -163,10 +163,9 @@ impl Measured {
         let TopologyExplanation { changes, expected_in_band, weakest } = explanation;
         let expected = mesh.map(|mesh| mesh + expected_in_band);
         let finest = self.grid.spacing_mm.into_iter().fold(f64::INFINITY, f64::min);
-        let decimals = (1.0 - libm::floor(libm::log10(finest))).clamp(0.0, 9.0) as usize;
         let found = |stage| {
             let of_stage: Vec<_> = changes.iter().filter(|change| change.stage == stage).collect();
-            if of_stage.is_empty() { "nothing that counts".to_owned() } else { counted(&of_stage, decimals) }
+            if of_stage.is_empty() { "nothing that counts".to_owned() } else { counted(&of_stage, finest) }
         };
         for flag in &mut self.flags {
             match flag.code {
@@ -183,7 +182,7 @@ impl Measured {
                         let _ = write!(
                             flag.message,
                             "; the gradient is weakest at {}, {:.0} % of a flat surface's",
-                            place(position_mm, decimals),
+                            place_text(position_mm, finest),
                             100.0 * share
                         );
                     }
@@ -196,13 +195,9 @@ impl Measured {
     }
 }
 
-fn place(position_mm: [f64; 3], decimals: usize) -> String {
-    let [x, y, z] = position_mm.map(|v| format!("{v:.decimals$}"));
-    format!("({x}, {y}, {z}) mm")
-}
-
 /// Changes by kind, each with the place of the widest.
-fn counted(changes: &[&LocatedChange], decimals: usize) -> String {
+fn counted(changes: &[&LocatedChange], finest: f64) -> String {
+    let decimals = decimals_for(finest);
     let mut kinds: Vec<ChangeKind> = changes.iter().map(|change| change.kind).collect();
     kinds.sort_unstable_by_key(|kind| *kind as usize);
     kinds.dedup();
@@ -210,7 +205,7 @@ fn counted(changes: &[&LocatedChange], decimals: usize) -> String {
         let alike = || changes.iter().filter(|change| change.kind == kind);
         let count: u64 = alike().map(|change| change.count()).sum();
         let widest = alike().max_by(|a, b| a.width_mm.total_cmp(&b.width_mm)).expect("there is one");
-        let at = place(widest.position_mm, decimals);
+        let at = place_text(widest.position_mm, finest);
         let plural = if count > 1 { "s" } else { "" };
         let (what, done) = kind.words();
         let the = if count > 1 { "the widest " } else { "" };

@@ -1,5 +1,6 @@
 //! Parameters -> all stages -> result.
 
+mod clip;
 mod explanation;
 mod local_curvature;
 mod object;
@@ -12,6 +13,7 @@ mod streaming;
 mod voxel_map;
 mod voxels;
 
+pub use clip::{Clip, ClipSummary, CutObject};
 pub use explanation::{ChangeStage, LocatedChange, TopologyExplanation, WeakestGradient};
 pub use local_curvature::CurvatureScale;
 pub use object::Object;
@@ -47,6 +49,7 @@ pub struct Measurement {
     pub(crate) thickness: Option<f64>,
     pub(crate) epsilon: Option<f64>,
     pub(crate) level: f64,
+    pub(crate) clip: Clip,
     truncation: Option<f64>,
 }
 
@@ -61,6 +64,7 @@ impl Default for Measurement {
             thickness: None,
             epsilon: None,
             level: 0.5,
+            clip: Clip::Cap,
             truncation: None,
         }
     }
@@ -99,6 +103,12 @@ impl Measurement {
     #[must_use]
     pub fn level(self, level: f64) -> Self {
         Self { level, ..self }
+    }
+
+    /// What becomes of objects that the edge of their image cuts.
+    #[must_use]
+    pub fn clip(self, clip: Clip) -> Self {
+        Self { clip, ..self }
     }
 
     /// How an object becomes a field.
@@ -166,7 +176,8 @@ impl Measurement {
     /// [`MeasureError`] for an empty mask or parameters that make no sense. An object that the blur removes is no
     /// error: its numbers are `None`, under the flag `surface-vanished`.
     pub fn run(&self, mask: &Mask) -> Result<Measured, MeasureError> {
-        self.prepare(mask).map(|object| object.measure())
+        let cut = self.cut(mask)?;
+        self.prepare_cut(mask, cut.as_ref()).map(|object| object.measure())
     }
 
     /// Measures the level set phi = 0 of a field that is an embedding already.

@@ -1,7 +1,9 @@
 //! One object, ready for whatever is asked of it.
 
+use super::clip::{CutObject, MeasuredPart};
+use super::pass::Pass;
 use super::scheme::Scheme;
-use super::setup::{Setup, Totals};
+use super::setup::{OpenPart, Setup, Totals};
 use super::{EmbeddingKind, MeasureError, Measured, Measurement, Parameters, PlainValues, UncertainValues};
 use crate::integrals::{Band, Integrals, Quadrature, SmearedDelta};
 use crate::local_geometry::{FiniteDifferences, MINIMUM_POINTS};
@@ -17,6 +19,8 @@ pub struct Object<'a> {
     pub(super) setup: Setup,
     /// `None` where the blur is known to leave nothing.
     pub(super) scheme: Option<Scheme<'a>>,
+    /// Where it is measured, where the image cuts it and that is left out.
+    pub(super) part: Option<MeasuredPart>,
     preparation: Duration,
 }
 
@@ -32,7 +36,24 @@ impl Measurement {
             return Err(VolumeError::NoForeground.into());
         }
         let scheme = Scheme::of_mask(&setup, mask)?;
-        Ok(Object { mask: Cow::Borrowed(mask), setup, scheme, preparation: start.elapsed() })
+        Ok(Object { mask: Cow::Borrowed(mask), setup, scheme, part: None, preparation: start.elapsed() })
+    }
+
+    /// Sets up an object from what [`Measurement::cut`] made of it; as [`Measurement::prepare`] does where that is nothing.
+    ///
+    /// # Errors
+    /// [`MeasureError`] for parameters that make no sense.
+    pub fn prepare_cut<'a>(
+        &self,
+        mask: &'a Mask,
+        cut: Option<&'a CutObject>,
+    ) -> Result<Object<'a>, MeasureError> {
+        let Some(cut) = cut else { return self.prepare(mask) };
+        let start = Instant::now();
+        let setup = Setup::of_masks(self, *mask.grid())?;
+        let scheme = Scheme::of_mask(&setup, &cut.continued)?.filter(|_| !cut.part.region.is_empty());
+        let part = Some(cut.part);
+        Ok(Object { mask: Cow::Borrowed(mask), setup, scheme, part, preparation: start.elapsed() })
     }
 
     /// Sets up the level set phi = 0 of a field that is an embedding already.
@@ -71,7 +92,7 @@ impl Measurement {
             errors: None,
         };
         let scheme = Some(Scheme::Given(differences));
-        Ok(Object { mask: Cow::Owned(mask), setup, scheme, preparation: start.elapsed() })
+        Ok(Object { mask: Cow::Owned(mask), setup, scheme, part: None, preparation: start.elapsed() })
     }
 }
 
@@ -119,27 +140,42 @@ impl Object<'_> {
             }
             _ => parameters.shift_sigma().map_or(VertexExtras::None, |sigma| VertexExtras::Shift { sigma }),
         };
-        scheme.surface(self.grid(), &self.setup.band, &kind)
+        scheme.surface(self.grid(), &self.setup.band, &kind, self.region())
+    }
+
+    fn pass(&self, with_surface: bool) -> Pass<'_> {
+        Pass { region: self.region(), ..self.setup.pass(with_surface) }
+    }
+
+    /// The part that is measured, with what its boundary adds.
+    fn open(&self) -> Option<OpenPart> {
+        let part = self.part?;
+        let boundary = self.scheme.as_ref().map(|scheme| part.boundary(scheme, &self.setup));
+        Some(OpenPart { part, boundary: boundary.unwrap_or_default() })
+    }
+
+    fn region(&self) -> Option<IndexBox> {
+        self.part.map(|part| part.region)
     }
 
     /// The integrals alone, plain and compensated, without mesh, topology and flags.
     pub fn integrals(&self) -> (PlainValues, UncertainValues) {
-        let sums = self.scheme.as_ref().map(|s| s.sums(&self.setup.pass(false))).unwrap_or_default();
-        self.setup.values(&sums)
+        let sums = self.scheme.as_ref().map(|s| s.sums(&self.pass(false))).unwrap_or_default();
+        self.setup.values(&sums, self.open().as_ref())
     }
 
     /// The integrals as they were summed; `None` where nothing is inside the level set.
     pub(super) fn plain_integrals(&self) -> Option<Integrals> {
-        let sums = self.scheme.as_ref().map(|s| s.sums(&self.setup.pass(false))).unwrap_or_default();
+        let sums = self.scheme.as_ref().map(|s| s.sums(&self.pass(false))).unwrap_or_default();
         self.setup.surviving(&sums)
     }
 
     /// All numbers.
     pub fn measure(&self) -> Measured {
         let start = Instant::now();
-        let sums = self.scheme.as_ref().map(|s| s.sums(&self.setup.pass(true))).unwrap_or_default();
+        let sums = self.scheme.as_ref().map(|s| s.sums(&self.pass(true))).unwrap_or_default();
         let integrated = self.preparation + sums.times.share_of_integrals(start.elapsed());
-        let mut totals = Totals { sums, integrated, ..Totals::default() };
+        let mut totals = Totals { sums, open: self.open(), integrated, ..Totals::default() };
         totals.add_voxels(&self.mask, i64::MIN / 2..i64::MAX / 2);
         self.setup.measured(&totals)
     }

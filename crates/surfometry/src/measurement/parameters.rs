@@ -1,6 +1,6 @@
 //! Choices, checked and filled in for a grid.
 
-use super::Measurement;
+use super::{Clip, Measurement};
 use crate::accuracy::{
     auto_sigma, auto_thickness, auto_thickness_of_blur, epsilon_of_blur, thickness_of_blur,
 };
@@ -137,6 +137,8 @@ pub struct Parameters {
     pub level: Option<f64>,
     /// Half-width of the delta in units of phi.
     pub epsilon: f64,
+    /// What was done where the edge of the image cuts an object.
+    pub clip: Clip,
     /// Blur of the corrected embedding in which the surface is mapped, mm, where it is mapped in one of its own.
     pub curvature_sigma_mm: Option<f64>,
 }
@@ -187,6 +189,7 @@ impl Parameters {
             thickness_mm: thickness,
             level: Some(m.level),
             epsilon,
+            clip: m.clip,
             curvature_sigma_mm: None,
         })
     }
@@ -214,6 +217,7 @@ impl Parameters {
             thickness_mm: thickness,
             level: None,
             epsilon: thickness / 2.0,
+            clip: m.clip,
             curvature_sigma_mm: None,
         })
     }

@@ -62,6 +62,8 @@ pub(super) struct Pass<'a> {
     pub(super) spacing: Spacing,
     /// Whether the mesh is wanted beside the integrals.
     pub(super) with_surface: bool,
+    /// The part that is summed over, where it is not all.
+    pub(super) region: Option<IndexBox>,
     /// The slices in which the tiles lie that are wanted; all where `None`.
     pub(super) slices: Option<Range<i64>>,
 }
@@ -70,6 +72,7 @@ impl Pass<'_> {
     /// Sums over the tiles in parallel; the same bits for any number of threads.
     pub(super) fn sums<D: Differentiation>(&self, scheme: &D) -> ObjectSums {
         let limits = cell_limits(scheme.embedding(), self.band.delta().half_width());
+        let limits = self.region.map_or(limits, |region| limits.intersection(&region));
         let storage = Pool::<Vec<FieldValue<D>>>::default();
         let part = |tile: &IndexBox| storage.with(|memory| self.tile(scheme, tile, &limits, memory));
         let wanted =

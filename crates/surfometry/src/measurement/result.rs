@@ -1,6 +1,6 @@
 //! What a measurement gives; names and units as in the JSON contract (DESIGN.md 4).
 
-use super::{LocatedChange, Parameters};
+use super::{ClipSummary, LocatedChange, Parameters};
 use crate::accuracy::{CompensatedIntegrals, CompensationTerms, Flag, IntegralErrors};
 use crate::integrals::Integrals;
 use crate::phantoms::Truth;
@@ -31,6 +31,8 @@ pub struct Measured {
     pub voxels: VoxelSummary,
     /// Exact topology.
     pub topology: TopologySummary,
+    /// Where the object was measured, where its image cuts it and that was left out.
+    pub clip: Option<ClipSummary>,
     /// Exact integrals, for phantoms.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub truth: Option<Truth>,

@@ -98,8 +98,14 @@ impl<'a> Scheme<'a> {
         with_scheme!(self, s => pass.sums(s))
     }
 
-    pub(super) fn surface(&self, grid: &Grid, band: &Band, extras: &VertexExtras) -> Surface {
-        with_scheme!(self, s => Surface::of(s, grid, band, extras))
+    pub(super) fn surface(
+        &self,
+        grid: &Grid,
+        band: &Band,
+        extras: &VertexExtras,
+        region: Option<IndexBox>,
+    ) -> Surface {
+        with_scheme!(self, s => Surface::of(s, grid, band, extras, region))
     }
 
     /// The field's derivatives at points near each other.

@@ -3,7 +3,7 @@
 use super::pass::Pass;
 use super::scheme::Scheme;
 use super::setup::{Setup, Totals};
-use super::{MeasureError, Measured, Measurement};
+use super::{Clip, MeasureError, Measured, Measurement};
 use crate::tiling::{IndexBox, TILE};
 use crate::volume::{LabelGroup, LabelImage, LabelRuns, LabelSelection, Mask, RunEncoder, SlabReader};
 use rayon::prelude::*;
@@ -62,8 +62,9 @@ impl Measurement {
     {
         let grid = *reader.grid();
         let setup = Setup::of_masks(self, grid)?;
-        if Scheme::check_reach(&setup).is_err() {
-            // A blur so wide is refused, unless it is known to leave nothing: for that objects must be known as a whole.
+        if Scheme::check_reach(&setup).is_err() || self.clip == Clip::Exclude {
+            // A blur so wide is refused, unless it is known to leave nothing: for that objects must be known as a whole. So must those that
+            // the image cuts, to be continued beyond it.
             let start = Instant::now();
             let image = LabelImage::from_slabs(reader).map_err(StreamError::Read)?;
             let source_seconds = start.elapsed().as_secs_f64();

@@ -89,6 +89,8 @@ const MOST_EXPLAINED: usize = 1 << 27;
 /// Whether it is looked into where an object's topology changes.
 fn to_be_explained(measured: &Measured, options: &InputOptions) -> bool {
     match options.explain_topology {
+        // The voxels' topology is that of the whole object, not of the part between the cuts.
+        _ if measured.clip.is_some() => false,
         ExplainTopology::Never => false,
         ExplainTopology::Disagreements => {
             measured.topology_disagrees() && measured.voxels.box_voxels() <= MOST_EXPLAINED
@@ -174,6 +176,12 @@ pub fn visit_objects(
         };
         let truth = source.truth.filter(|_| pieces.len() == 1);
         for (piece, mask) in (1..).zip(pieces) {
+            let cut = measurement.cut(&mask)?;
+            let local = match options.curvature {
+                CurvatureScale::AsMeasured => None,
+                scale => Some(measurement.for_local_curvature(&mask, scale)?),
+            };
+            let local_cut = local.map(|local| local.cut(&mask)).transpose()?.flatten();
             visit(&InputObject {
                 input,
                 label: Some(label.clone()),
@@ -181,11 +189,8 @@ pub fn visit_objects(
                 number,
                 count,
                 among_others: source.image.summaries().len() > 1,
-                object: measurement.prepare(&mask)?,
-                local: match options.curvature {
-                    CurvatureScale::AsMeasured => None,
-                    scale => Some(measurement.for_local_curvature(&mask, scale)?.prepare(&mask)?),
-                },
+                object: measurement.prepare_cut(&mask, cut.as_ref())?,
+                local: local.map(|local| local.prepare_cut(&mask, local_cut.as_ref())).transpose()?,
                 surface: OnceCell::new(),
                 truth,
                 flags: &source.flags,

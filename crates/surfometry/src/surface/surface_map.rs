@@ -28,8 +28,10 @@ impl Surface {
         grid: &Grid,
         band: &Band,
         extras: &VertexExtras,
+        region: Option<IndexBox>,
     ) -> Self {
         let limits = cell_limits(scheme.embedding(), 0.0);
+        let limits = region.map_or(limits, |region| limits.intersection(&region));
         let storage = Pool::<Vec<FieldValue<D>>>::default();
         let geometry_at = |jet: &Jet| {
             let curvature = band.curvature(jet)?;
