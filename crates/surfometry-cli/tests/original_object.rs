@@ -89,15 +89,16 @@ fn maps_at_a_scale_of_their_own() {
     let parameters = &document["results"][0]["parameters"];
     assert_eq!(parameters["sigma_mm"], 2.0);
     let sigma = parameters["curvature_sigma_mm"].as_f64().unwrap();
-    // 0.66 h^(2/7) R^(5/7), R from a pilot.
-    assert!((sigma / (0.66 * 30f64.powf(5.0 / 7.0)) - 1.0).abs() < 0.08, "{sigma}");
+    // 0.66 h^(2/7) R^(5/7), and more where curvature hardly varies, at most 0.49 of 2 V / A.
+    let rule = 0.66 * 30f64.powf(5.0 / 7.0);
+    assert!((1.15 * rule..0.49 * 20.0).contains(&sigma), "{sigma}");
     let lines = std::fs::read_to_string(csv).unwrap();
     let columns: Vec<&str> = lines.lines().next().unwrap().split(',').collect();
     let column = |name: &str| columns.iter().position(|c| *c == name).unwrap_or_else(|| panic!("{name}"));
     let rows: Vec<Vec<f64>> =
         lines.lines().skip(1).map(|l| l.split(',').map(|v| v.parse().unwrap()).collect()).collect();
     let mean = |name: &str| rows.iter().map(|row| row[column(name)]).sum::<f64>() / rows.len() as f64;
-    // The ball that is blurred at this sigma has 6 % more.
+    // The ball that is blurred at this sigma has 10 % more.
     assert!((30.0 * mean("mean_curvature_per_mm") - 1.0).abs() < 0.01);
     assert!(
         mean("mean_curvature_per_mm_standard_error") > 0.0

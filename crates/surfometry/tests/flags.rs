@@ -209,6 +209,10 @@ fn compensation_that_fails_is_null() {
     assert!(raised(&failed, "compensation-failed"), "{:?} {:?}", failed.voxels, failed.compensated.values);
     assert!(failed.compensated.volume_mm3.is_none() && failed.compensated.surface_area_mm2.is_none());
     assert!(failed.volume_mm3.is_some());
+    // The rod is thin, and there is no gap beside it.
+    assert!(raised(&failed, "thin-for-sigma") && !raised(&failed, "narrow-gap"));
+    let told = failed.flags.iter().find(|flag| flag.code.to_string() == "compensation-failed");
+    assert!(told.unwrap().message.contains("sigma is too large for this object"), "{told:?}");
     let fine = rod(5, 1.4);
     assert!(!raised(&fine, "compensation-failed") && fine.compensated.volume_mm3.is_some());
 }

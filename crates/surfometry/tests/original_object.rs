@@ -4,8 +4,8 @@ mod common;
 
 use common::{measure, phantom, poses, rms};
 use surfometry::Measurement;
-use surfometry::measurement::{CurvatureScale, Derivatives, EmbeddingKind};
-use surfometry::phantoms::{Ball, Ellipsoid, Phantom, Pose, Torus};
+use surfometry::measurement::{CompensatedValues, CurvatureScale, Derivatives, EmbeddingKind};
+use surfometry::phantoms::{Ball, Capsule, Ellipsoid, Phantom, Pose, Torus};
 use surfometry::validation::{CaseResult, Summary, Validation, summarise};
 
 /// Rms and mean distance of a surface's vertices from the exact one, mm.
@@ -90,8 +90,8 @@ fn of_shapes<'a>(results: &'a [CaseResult], names: &'a [&str]) -> Vec<CaseResult
     results.iter().filter(|c| names.contains(&c.shape)).copied().collect()
 }
 
-/// Local curvature at automatic scale, on a shape that constants were tuned on and on two that they were not: within the issue's 6 and 8 % at R = 10 voxels, and
-/// falling with the order 0.58 to 1.4 in h (0.9 is asked). Error bars hold on 85 to 100 % of the surface.
+/// Local curvature at automatic scale, on a shape that constants were tuned on and on two that they were not: within the 6 and 8 % that issue 5 asks at R = 10 voxels at 8 already, on
+/// tori a third of it, and falling with the order 0.67 to 1.1 in h (0.9 is asked). Error bars hold on 85 to 100 % of the surface.
 #[test]
 fn local_curvature_converges() {
     let validation = Validation {
@@ -118,9 +118,10 @@ fn local_curvature_converges() {
             fine.gaussian_curvature,
             fine.local_coverage
         );
-        assert!(coarse.mean_curvature.unwrap() < 7.0 && coarse.gaussian_curvature.unwrap() < 10.0);
-        assert!(orders.iter().all(|&order| order > 0.55), "{orders:?}");
-        assert!(fine.position_voxels.unwrap() < 0.1);
+        let most = if name.starts_with("torus") { [2.0, 3.0] } else { [6.0, 8.0] };
+        assert!(coarse.mean_curvature.unwrap() < most[0] && coarse.gaussian_curvature.unwrap() < most[1]);
+        assert!(orders.iter().all(|&order| order > 0.6), "{orders:?}");
+        assert!(fine.position_voxels.unwrap() < 0.08);
         assert!(fine.local_coverage.unwrap().iter().all(|&share| share > 85.0), "{:?}", fine.local_coverage);
     }
     // The whole zoo's integrals, in poses that nothing was tuned on.
@@ -164,4 +165,37 @@ fn grid_noise_is_the_spread_over_shifts() {
         println!("{spacing:?}: V {mean:.1}, spread {spread:.3}, told {told:.3}");
         assert!((spread / told - 1.0).abs() < 0.4, "{spread} {told}");
     }
+}
+
+/// The same object on a 1 mm grid, on a finer one and on thick slices: V, A and M of the original object agree within the error bars of both.
+#[test]
+fn other_grids_agree_within_the_error_bars() {
+    let grids = [[1.0; 3], [0.6; 3], [0.8, 0.8, 2.5], [2.5, 0.8, 0.8]];
+    let mut worst: f64 = 0.0;
+    for pose in poses() {
+        let on = |shape: usize, spacing: [f64; 3]| match shape {
+            0 => phantom(Ellipsoid { radii: [26.0, 21.0, 17.0] }, pose, spacing),
+            1 => phantom(Torus { major: 30.0, minor: 13.0 }, pose, spacing),
+            _ => phantom(Capsule { radius: 14.0, length: 30.0 }, pose, spacing),
+        };
+        for shape in 0..3 {
+            let measured =
+                grids.map(|spacing| measure(&on(shape, spacing), &Measurement::default()).compensated);
+            for (n, a) in measured.iter().enumerate() {
+                for b in &measured[n + 1..] {
+                    let pairs = |v: &CompensatedValues| {
+                        [v.volume_mm3, v.surface_area_mm2, v.total_mean_curvature_mm].map(Option::unwrap)
+                    };
+                    let values = pairs(&a.values).into_iter().zip(pairs(&b.values));
+                    let errors = pairs(&a.standard_error).into_iter().zip(pairs(&b.standard_error));
+                    for ((x, y), (ex, ey)) in values.zip(errors) {
+                        worst = worst.max((x - y).abs() / ex.hypot(ey));
+                    }
+                }
+            }
+        }
+    }
+    println!("largest difference {worst:.2} standard errors");
+    // 162 differences: 2.6 is what one in a hundred exceeds. Bars that nothing comes near would be too wide.
+    assert!((1.0..2.6).contains(&worst), "{worst}");
 }

@@ -351,8 +351,9 @@ fn shape_flags(e: &Evidence) -> Vec<Flag> {
     flags.extend(narrow_flags(e, sigma, &flags));
     if e.compensation_failed() {
         let message = format!(
-            "the compensated volume would be {:+.0} % off the voxels', so the compensated values are null: the object is \
-             too thin for this sigma; use a smaller --sigma",
+            "the blur took {:.0} % of the volume away and the compensated volume would be {:+.0} % off the voxels', so the compensated values are \
+             null: sigma is too large for this object, and what is gone cannot be brought back; use a smaller --sigma",
+            100.0 * (1.0 - plain.volume / e.voxel_volume),
             100.0 * off
         );
         flags.push(Flag::new(FlagCode::CompensationFailed, message));

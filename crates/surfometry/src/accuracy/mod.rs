@@ -8,7 +8,7 @@ mod scale;
 mod uncertainty;
 
 pub use compensation::{CompensatedIntegrals, CompensationTerms, compensation_terms};
-pub use curvature_scale::{PILOT_SPACINGS, auto_curvature_sigma, rms_spacing};
+pub use curvature_scale::{PILOT_SPACINGS, auto_curvature_sigma, balanced_sigma, rms_spacing};
 pub use flags::{Evidence, Flag, FlagCode, NarrowPlace, raise_flags};
 pub(crate) use flags::{decimals_for, place_text};
 pub use local_errors::{CurvatureErrors, LocalErrorModel};

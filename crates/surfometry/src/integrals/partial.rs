@@ -104,7 +104,7 @@ pub struct Partial {
     pub band_voxels: u64,
     /// Band voxels whose gradient has collapsed.
     pub voxels_without_normal: u64,
-    /// Band voxels within narrow parts, phi < 0, and within narrow gaps.
+    /// Band voxels within narrow parts, and within narrow gaps.
     pub narrow: [NarrowVoxels; 2],
 }
 
@@ -271,9 +271,10 @@ impl BandSums {
             if (0..count).any(is_narrow) {
                 let lanes = voxels.indices().skip(start).take(count).enumerate();
                 for (lane, index) in lanes.filter(|&(lane, _)| is_narrow(lane)) {
-                    let phi = columns[0][lane];
-                    let share = gradients[lane] / band.slope_of_edge(phi);
-                    self.narrow[usize::from(phi >= 0.0)].add(index, share);
+                    let share = gradients[lane] / band.slope_of_edge(columns[0][lane]);
+                    // Half-way through a part phi is least, half-way across a gap it is largest, whether or not either is still there.
+                    let laplacian = columns[4][lane] + columns[5][lane] + columns[6][lane];
+                    self.narrow[usize::from(laplacian < 0.0)].add(index, share);
                 }
             }
         }

@@ -143,6 +143,12 @@ impl Object<'_> {
         scheme.surface(self.grid(), &self.setup.band, &kind, self.region())
     }
 
+    /// The scheme, and |phi| at 0.6 voxels from a flat surface.
+    pub(super) fn beside_surface(&self) -> Option<(&Scheme<'_>, f64)> {
+        let slope = self.setup.parameters.profile()?.slope(0.0).abs();
+        Some((self.scheme.as_ref()?, 0.6 * slope * self.grid().spacing().geometric_mean()))
+    }
+
     fn pass(&self, with_surface: bool) -> Pass<'_> {
         Pass { region: self.region(), ..self.setup.pass(with_surface) }
     }

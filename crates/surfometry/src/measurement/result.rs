@@ -219,7 +219,7 @@ pub struct VoxelSummary {
 
 impl VoxelSummary {
     /// Voxels of the bounding box.
-    pub(crate) fn box_voxels(&self) -> usize {
+    pub fn box_voxels(&self) -> usize {
         let [first, last] = self.bounding_box;
         IndexBox::new(first, last.map(|v| v + 1)).voxels()
     }

@@ -8,7 +8,7 @@ use crate::embedding::{
 };
 use crate::integrals::Band;
 use crate::local_geometry::{
-    Differentiation, FiniteDifferences, GaussianDerivatives, Jet, MatchedDifferences,
+    BandVoxel, Differentiation, FiniteDifferences, GaussianDerivatives, Jet, MatchedDifferences,
 };
 use crate::surface::{Surface, VertexExtras, cell_limits};
 use crate::tiling::IndexBox;
@@ -106,6 +106,11 @@ impl<'a> Scheme<'a> {
         region: Option<IndexBox>,
     ) -> Surface {
         with_scheme!(self, s => Surface::of(s, grid, band, extras, region))
+    }
+
+    /// The voxels of a tile where |phi| <= `half_width`, with the derivatives there.
+    pub(super) fn band(&self, tile: &IndexBox, half_width: f64) -> Vec<BandVoxel> {
+        with_scheme!(self, s => s.band(tile, half_width))
     }
 
     /// The field's derivatives at points near each other.
