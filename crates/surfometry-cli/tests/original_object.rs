@@ -39,6 +39,31 @@ fn a_sweep_shows_what_depends_on_sigma() {
     assert!(text(&table.stdout).contains("sigma mm"));
 }
 
+/// A chart an object, with its lines; a value that cannot be measured leaves the others.
+#[test]
+fn sweeps_are_drawn() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let (svg, png) = (file("sweep.svg"), file("sweep.png"));
+    let sweep = ["sweep", BALL, "--range", "1.5:3:4"];
+    assert!(run(&[&sweep[..], &["--chart", &svg]].concat()).status.success());
+    let drawn = std::fs::read_to_string(&svg).unwrap();
+    for name in
+        ["volume", "surface area", "total mean curvature", "Euler", "sigma (mm)", "original", "voxels"]
+    {
+        assert!(drawn.contains(name), "{name}");
+    }
+    // Three panels have an original with its bars.
+    assert_eq!(drawn.matches("<polygon").count(), 3, "{drawn}");
+    let partly =
+        run(&["sweep", BALL, "--over", "thickness", "--range", "2:1000:3", "--log", "--chart", &png]);
+    assert_eq!(partly.status.code(), Some(1));
+    assert!(std::fs::read(&png).unwrap().starts_with(b"\x89PNG"));
+    let wrong = run(&[&sweep[..], &["--chart", &file("sweep.jpg")]].concat());
+    assert_eq!(wrong.status.code(), Some(2));
+    assert!(text(&wrong.stderr).contains(".png or .svg"));
+}
+
 /// Blurred, plus the terms, is the original.
 #[test]
 fn compensation_is_explained() {

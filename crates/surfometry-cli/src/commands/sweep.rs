@@ -3,13 +3,17 @@
 use super::{ALL_DONE, SOME_FAILED};
 use crate::inputs::expand;
 use crate::options::{MeasureOptions, OutputFormat, OutputOptions};
-use crate::output::{Layout, check_output, csv_text, deliver, digits, failures_text, json_text};
+use crate::output::{Layout, check_output, csv_text, deliver, digits, failures_text, json_text, say};
 use crate::progress::{progress_bar, said_failure};
 use anyhow::{Result, bail};
 use clap::ValueEnum;
+use std::path::{Path, PathBuf};
 use surfometry::Measurement;
 use surfometry::measurement::CurvatureScale;
-use surfometry::runs::{ExplainTopology, InputError, InputOptions, Output, Record, measure_input};
+use surfometry::runs::{
+    ExplainTopology, FileLedger, InputError, InputOptions, MapFile, Output, Record, SweepAxis,
+    distinct_parts, measure_input, with_parts, write_sweep_chart,
+};
 
 /// Measure the same objects over a range of sigma, thickness or level
 ///
@@ -29,6 +33,10 @@ pub(crate) struct Args {
     /// Equal ratios between values, not equal steps
     #[arg(long)]
     log: bool,
+    /// Chart of V, A, M and chi over the range, an object each: blurred, and original with 95 % bars. Where there are several inputs or
+    /// objects, `_NAME` and `_label-N` go before the ending
+    #[arg(long, value_name = "FILE.png|.svg")]
+    chart: Option<PathBuf>,
     #[command(flatten)]
     results: OutputOptions,
     #[command(flatten)]
@@ -52,11 +60,15 @@ impl Swept {
     }
 
     fn of(self, record: &Record) -> Option<f64> {
-        let parameters = &record.measured.parameters;
+        (self.axis().value)(&record.measured.parameters)
+    }
+
+    /// The horizontal axis of a chart.
+    fn axis(self) -> SweepAxis {
         match self {
-            Self::Sigma => parameters.sigma_mm,
-            Self::Thickness => Some(parameters.thickness_mm),
-            Self::Level => parameters.level,
+            Self::Sigma => SweepAxis { name: "sigma (mm)", value: |p| p.sigma_mm },
+            Self::Thickness => SweepAxis { name: "thickness t (mm)", value: |p| Some(p.thickness_mm) },
+            Self::Level => SweepAxis { name: "level", value: |p| p.level },
         }
     }
 
@@ -114,10 +126,13 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
     };
     let inputs = expand(&args.inputs);
     check_output(args.results.path(), &inputs)?;
+    check_chart(args)?;
+    check_output(args.chart.as_deref(), &inputs)?;
+    let (mut ledger, mut all_drawn) = (FileLedger::new(&inputs), true);
     let values = args.range.values(args.log);
     let progress = progress_bar(inputs.len() * values.len(), quiet);
     let (mut results, mut failures) = (Vec::new(), Vec::new());
-    for input in &inputs {
+    for (input, part) in inputs.iter().zip(distinct_parts(&inputs)) {
         let mut of_input = Vec::new();
         for &value in &values {
             progress.set_message(format!("{input}, {} {}", args.over.heading(), digits(value)));
@@ -137,6 +152,12 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
         }
         // Object by object, each over the range.
         of_input.sort_by_key(|record: &Record| record.label.as_ref().map(|label| label.labels().to_vec()));
+        if let Some(path) = &args.chart {
+            for failure in draw(args, &of_input, &with_parts(path, part.as_slice()), &mut ledger) {
+                progress.suspend(|| say(&format!("no chart: {failure}")));
+                all_drawn = false;
+            }
+        }
         results.extend(of_input);
     }
     progress.finish_and_clear();
@@ -147,7 +168,30 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
         OutputFormat::Csv => csv_text(&output)?,
     };
     deliver(&text, args.results.path())?;
-    Ok(if output.failures.is_empty() { ALL_DONE } else { SOME_FAILED })
+    Ok(if output.failures.is_empty() && all_drawn { ALL_DONE } else { SOME_FAILED })
+}
+
+fn check_chart(args: &Args) -> Result<()> {
+    let Some(path) = &args.chart else { return Ok(()) };
+    if !matches!(MapFile::of_path(path), Some(MapFile::Png | MapFile::Svg)) {
+        bail!("{}: the chart's name must end in .png or .svg", path.display());
+    }
+    if args.results.path() == Some(path) {
+        bail!("{}: named twice, for the results and for the chart", path.display());
+    }
+    Ok(())
+}
+
+/// Draws a chart for each object of an input; what could not be drawn.
+fn draw(args: &Args, records: &[Record], path: &Path, ledger: &mut FileLedger) -> Vec<InputError> {
+    let objects: Vec<&[Record]> = records.chunk_by(|a, b| a.label == b.label).collect();
+    let several = objects.len() > 1;
+    let mut draw = |records: &&[Record]| {
+        let label = records[0].label.as_ref().filter(|_| several).map(|label| format!("label-{label}"));
+        write_sweep_chart(records, &args.over.axis(), args.log, &with_parts(path, label.as_slice()), ledger)
+            .err()
+    };
+    objects.iter().filter_map(&mut draw).collect()
 }
 
 fn records(input: &str, measurement: &Measurement, wanted: &InputOptions) -> Result<Vec<Record>, InputError> {

@@ -26,6 +26,15 @@ impl Ticks {
         Self { values: (first..=last).map(|i| i as f64 * step).collect(), decimals: decimals_of(step) }
     }
 
+    /// 1, 2 and 5 times powers of ten within positive limits.
+    pub(crate) fn on_log([low, high]: [f64; 2]) -> Self {
+        let (first, last) = (libm::floor(libm::log10(low)) as i32, libm::ceil(libm::log10(high)) as i32);
+        let decades = (first..=last).map(|e| libm::pow(10.0, f64::from(e)));
+        let values = decades.flat_map(|decade| [1.0, 2.0, 5.0].map(|m| round_decimal(m * decade)));
+        let within = |v: &f64| (low * (1.0 - 1e-9)..=high * (1.0 + 1e-9)).contains(v);
+        Self { values: values.filter(within).collect(), decimals: usize::try_from(-first).unwrap_or(0) }
+    }
+
     /// Text of a value on this axis.
     pub(crate) fn label(&self, value: f64) -> String {
         let largest = self.values.iter().fold(0.0f64, |m, v| m.max(v.abs()));

@@ -10,6 +10,8 @@ mod map_files;
 mod objects;
 mod output;
 mod surface_record;
+#[cfg(feature = "pictures")]
+mod sweep_chart;
 
 #[cfg(feature = "pictures")]
 pub use file_ledger::FileLedger;
@@ -23,3 +25,5 @@ pub use map_files::{MapFile, MapStyle, write_map_files};
 pub use objects::{InputObject, visit_objects};
 pub use output::{Failure, Output, Record, SCHEMA};
 pub use surface_record::{MAP_SCHEMA, SurfaceRecord};
+#[cfg(feature = "pictures")]
+pub use sweep_chart::{SweepAxis, write_sweep_chart};

@@ -1,0 +1,84 @@
+//! An object's numbers over a range of a parameter, as a picture.
+
+use super::{FileLedger, InputError, MapFile, Record, input_title};
+use crate::io::write_whole;
+use crate::measurement::{CompensatedValues, Measured, Parameters};
+use crate::pictures::{ChartLine, ChartPanel, LineChart};
+use std::path::Path;
+
+/// What is swept.
+#[derive(Debug, Clone, Copy)]
+pub struct SweepAxis {
+    /// Name with unit.
+    pub name: &'static str,
+    /// Its value in a record's parameters.
+    pub value: fn(&Parameters) -> Option<f64>,
+}
+
+/// Half-width of a 95 % interval in standard errors.
+const INTERVAL: f64 = 1.96;
+/// Pixels of a PNG a unit of the figure.
+const DPI_SCALE: f64 = 2.0;
+
+/// Writes a chart of one object's records, in their order: V, A, M and chi, of the blurred and of the original object with its 95 % bars, against
+/// what was swept.
+///
+/// # Errors
+/// [`InputError`].
+pub fn write_sweep_chart(
+    records: &[Record],
+    axis: &SweepAxis,
+    log: bool,
+    path: &Path,
+    ledger: &mut FileLedger,
+) -> Result<(), InputError> {
+    let values: Vec<f64> = records.iter().filter_map(|r| (axis.value)(&r.measured.parameters)).collect();
+    let first = records.first().filter(|_| values.len() == records.len());
+    let first = first.ok_or(InputError::Unfit("nothing was measured that a chart could show"))?;
+    ledger.claim(path)?;
+    let label = first.label.as_ref().map_or_else(String::new, |label| format!(", label {label}"));
+    let chart = LineChart {
+        along: axis.name,
+        values: &values,
+        log,
+        panels: &panels(records),
+        title: &format!("{}{label}", input_title(&first.input)),
+        caption: "Blurred: of the smoothed object. Original: with the smoothing's shift undone; the band is its 95 % interval. Where a line stays level the \
+                  choice does not matter; where it drifts or jumps, parts are lost or the grid shows.",
+    };
+    let figure = chart.figure();
+    let bytes = match MapFile::of_path(path) {
+        Some(MapFile::Png) => figure.to_png(DPI_SCALE)?,
+        _ => figure.svg().as_bytes().to_vec(),
+    };
+    write_whole(path, |out| out.write_all(&bytes))
+        .map_err(|source| InputError::Write { path: path.to_owned(), source })
+}
+
+fn panels(records: &[Record]) -> Vec<ChartPanel> {
+    let line = |name, value: &dyn Fn(&Measured) -> Option<f64>| ChartLine {
+        name,
+        values: records.iter().map(|record| value(&record.measured)).collect(),
+        errors: Vec::new(),
+    };
+    let panel =
+        |name, plain: &dyn Fn(&Measured) -> Option<f64>, original: fn(&CompensatedValues) -> Option<f64>| {
+            let error =
+                |record: &Record| original(&record.measured.compensated.standard_error).map(|e| INTERVAL * e);
+            let compensated = ChartLine {
+                errors: records.iter().map(error).collect(),
+                ..line("original", &|m: &Measured| original(&m.compensated.values))
+            };
+            ChartPanel { name, lines: vec![compensated, line("blurred", plain)] }
+        };
+    let mut volume = panel("volume (mm\u{b3})", &|m| m.volume_mm3, |c| c.volume_mm3);
+    volume.lines.push(line("voxels", &|m: &Measured| Some(m.voxels.volume_mm3)));
+    let voxels = |m: &Measured| Some(m.topology.euler_characteristic_voxels_26 as f64);
+    let euler = vec![line("blurred", &|m: &Measured| m.euler_characteristic), line("voxels", &voxels)];
+    vec![
+        volume,
+        panel("surface area (mm\u{b2})", &|m| m.surface_area_mm2, |c| c.surface_area_mm2),
+        panel("total mean curvature (mm)", &|m| m.total_mean_curvature_mm, |c| c.total_mean_curvature_mm),
+        ChartPanel { name: "Euler characteristic", lines: euler },
+    ]
+}
