@@ -171,6 +171,11 @@ impl MeasureOptions {
         if !blurred && (self.sigma.is_some() || self.level.is_some()) {
             bail!("--sigma and --level belong to --embedding gaussian and corrected: leave them out");
         }
+        if !blurred && self.clip == ClipOption::Exclude {
+            bail!(
+                "--clip exclude needs a field that is smooth across the cut: use --embedding gaussian or corrected"
+            );
+        }
         if !blurred && self.derivatives == Some(DerivativesOption::Gaussian) {
             bail!("--derivatives gaussian belongs to --embedding gaussian and corrected: leave it out");
         }

@@ -167,7 +167,7 @@ fn failed_inputs_are_listed_and_the_others_measured() {
 
 #[test]
 fn wrong_commands_end_with_2() {
-    let wrong: [&[&str]; 14] = [
+    let wrong: [&[&str]; 16] = [
         &["measure"],
         &["measur", BALL],
         &["measure", BALL, "--sigma", "0"],
@@ -181,6 +181,8 @@ fn wrong_commands_end_with_2() {
         &["measure", BALL, "--thickness", "2", "--epsilon", "0.1"],
         &["measure", BALL, "--embedding", "distance", "--sigma", "2"],
         &["measure", BALL, "--embedding", "distance", "--derivatives", "gaussian"],
+        &["measure", BALL, "--embedding", "distance", "--clip", "exclude"],
+        &["measure", BALL, "--per-component", "--png", "ball.png"],
         &["measure", BALL, "--threads", "0"],
     ];
     for args in wrong {

@@ -176,12 +176,15 @@ impl Measured {
                     let _ = write!(flag.message, ". Between the band's levels: {}", found(ChangeStage::Band));
                     if let Some((measured, expected)) = self.plain.euler_characteristic.zip(expected) {
                         let rest = measured - expected;
-                        let _ = write!(flag.message, "; that makes {expected:.3}, and grid noise {rest:+.3}");
+                        let _ = write!(
+                            flag.message,
+                            "; that makes {expected:.3}, the rest, {rest:+.3}, is noise of the grid, most of it where gradients are weak"
+                        );
                     }
                     if let Some(WeakestGradient { position_mm, share }) = weakest {
                         let _ = write!(
                             flag.message,
-                            "; the gradient is weakest at {}, {:.0} % of a flat surface's",
+                            ": weakest at {}, {:.0} % of a flat surface's",
                             place_text(position_mm, finest),
                             100.0 * share
                         );

@@ -146,6 +146,11 @@ pub fn visit_objects(
                 "a field has no blur of its own: leave --curvature-sigma out with --embedding given",
             ));
         }
+        if options.per_component {
+            return Err(InputError::Unfit(
+                "a field has no labels whose pieces could be told apart: leave --per-component out with --embedding given",
+            ));
+        }
         let source = field_input(input, options)?;
         return visit(&InputObject {
             input,
