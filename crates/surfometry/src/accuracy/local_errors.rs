@@ -4,20 +4,24 @@ use super::rms_spacing;
 use crate::local_geometry::Curvature;
 use crate::volume::Spacing;
 
-/// Standard errors of a vertex' H, 1/mm, and K, 1/mm^2.
+/// Standard errors of a vertex' curvature.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CurvatureErrors {
-    /// Of H.
+    /// Of H, 1/mm.
     pub mean: f32,
-    /// Of K.
+    /// Of K, 1/mm^2.
     pub gaussian: f32,
+    /// Of k1 and of k2, 1/mm.
+    pub principal: f32,
+    /// Of the shape index, at most 1.
+    pub shape_index: f32,
 }
 
 impl CurvatureErrors {
     /// Where there is no curvature: that of a voxel's size, which is all that can be said.
     pub(crate) fn unknown(spacing: Spacing) -> Self {
         let most = 1.0 / spacing.smallest();
-        Self { mean: most as f32, gaussian: (most * most) as f32 }
+        Self { mean: most as f32, gaussian: (most * most) as f32, principal: most as f32, shape_index: 1.0 }
     }
 }
 
@@ -29,12 +33,12 @@ const NEAR_AXIS: f64 = 0.9816;
 const SHARES: [f64; 2] = [2.5, 0.85];
 /// Share of the difference between corrected and plain curvature that may be left as bias.
 const BIAS: f64 = 0.65;
-/// Bias of H and K that is left where curvature varies, in units of sigma^4 / R^5 and sigma^4 / R^6.
+/// Bias of H, K and k1 or k2 that is left where curvature varies, in units of sigma^4 / R^5, sigma^4 / R^6 and again the first.
 ///
 /// This and the share above are larger than FACTS 0 has them (0.35 and 1), with which 71 to 95 % of the surface of ellipsoids lay within the bars; with
 /// these it is 90 to 100 % on smooth shapes (`surfometry validate`, docs/accuracy.md). Where curvature jumps, as along the seam of a flat and a round part, no
 /// model of this kind holds: 50 to 85 % there.
-const REMAINDER: [f64; 2] = [4.0, 6.0];
+const REMAINDER: [f64; 3] = [4.0, 6.0, 6.0];
 
 /// What the standard error of curvature at a vertex follows from (FACTS 0): the grid's noise, a share of what the correction did, and the
 /// order that is left, sigma^4 / R^5.
@@ -60,16 +64,22 @@ impl LocalErrorModel {
         along_axis: f64,
         differences: CurvatureErrors,
     ) -> CurvatureErrors {
-        let ([near, away], [of_mean, of_gaussian]) = (SHARES, REMAINDER);
+        let ([near, away], [of_mean, of_gaussian, of_principal]) = (SHARES, REMAINDER);
         let noise = self.noise * if along_axis > NEAR_AXIS { near } else { away };
         let total = |noise: f64, difference: f32, remainder: f64| {
             libm::hypot(libm::hypot(noise, BIAS * f64::from(difference)), remainder) as f32
         };
         // Noise of H is that of (k1 + k2) / 2 with k1 and k2 independent; K = k1 k2 then has 2 noise sqrt((k1^2 + k2^2) / 2), and its square.
         let of_product = libm::hypot(2.0 * noise * curvature.curvedness(), 2.0 * noise * noise);
+        let principal =
+            total(std::f64::consts::SQRT_2 * noise, differences.principal, of_principal * self.remainder);
+        // S = 2/pi times the angle of (H, (k1 - k2) / 2), a vector as long as the curvedness, of which each part is off by 1/sqrt 2 of k1's error.
+        let angle = f64::from(principal) / (std::f64::consts::SQRT_2 * curvature.curvedness());
         CurvatureErrors {
             mean: total(noise, differences.mean, of_mean * self.remainder),
             gaussian: total(of_product, differences.gaussian, of_gaussian * self.remainder / self.radius),
+            principal,
+            shape_index: (angle * std::f64::consts::FRAC_2_PI).min(1.0) as f32,
         }
     }
 }

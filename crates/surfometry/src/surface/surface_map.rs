@@ -169,8 +169,13 @@ fn add_differences(geometry: &mut [Option<VertexGeometry>], plain: &[Jet]) {
         if let (Some(vertex), Some(plain)) = (vertex, Curvature::of(jet)) {
             let of = |a: f64, b: f64| (a - b).abs() as f32;
             let (c, p) = (vertex.curvature, plain);
-            vertex.errors =
-                Some(CurvatureErrors { mean: of(c.mean, p.mean), gaussian: of(c.gaussian, p.gaussian) });
+            let [k1, k2] = [0, 1].map(|n| of(c.principal()[n], p.principal()[n]));
+            vertex.errors = Some(CurvatureErrors {
+                mean: of(c.mean, p.mean),
+                gaussian: of(c.gaussian, p.gaussian),
+                principal: k1.max(k2),
+                shape_index: 0.0,
+            });
         }
     }
 }

@@ -20,7 +20,7 @@ pub struct VertexGeometry {
     pub direction_2: [f64; 3],
     /// How far the blur moved the surface here, mm, positive outward: about -sigma^2 H. `None` where that is not defined.
     pub displacement: Option<f64>,
-    /// Standard errors of H and K, where the embedding has a model of them: the corrected one.
+    /// Standard errors of its curvature, where the embedding has a model of them: the corrected one.
     pub errors: Option<CurvatureErrors>,
     /// Whether the field has a gradient that a surface would have. Where it has collapsed, as half-way through parts that the blur
     /// nearly removed, curvature says nothing, and distributions leave the vertex out.
@@ -36,9 +36,12 @@ const DIRECTION_ARRAYS: [DirectionArray; 3] =
 /// An array of standard errors: name and value.
 type ErrorArray = (&'static str, fn(&CurvatureErrors) -> f32);
 
-const ERROR_ARRAYS: [ErrorArray; 2] = [
+const ERROR_ARRAYS: [ErrorArray; 5] = [
     ("mean_curvature_per_mm_standard_error", |e| e.mean),
     ("gaussian_curvature_per_mm2_standard_error", |e| e.gaussian),
+    ("k1_per_mm_standard_error", |e| e.principal),
+    ("k2_per_mm_standard_error", |e| e.principal),
+    ("shape_index_standard_error", |e| e.shape_index),
 ];
 
 impl VertexGeometry {
