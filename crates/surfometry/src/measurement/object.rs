@@ -176,6 +176,12 @@ impl Object<'_> {
         self.setup.surviving(&sums)
     }
 
+    /// All numbers at other blurs, mm, the rest of the choices as they are; those that make no sense are left out.
+    pub fn measure_at(&self, sigmas: &[f64]) -> Vec<Measured> {
+        let measured = |&sigma: &f64| self.setup.measurement.sigma_mm(sigma).run(&self.mask).ok();
+        sigmas.iter().filter_map(measured).collect()
+    }
+
     /// All numbers.
     pub fn measure(&self) -> Measured {
         let start = Instant::now();

@@ -1,8 +1,9 @@
 //! What a report shows of one object.
 
 use super::{MOST_TRIANGLES, Scene};
-use crate::pictures::{PictureError, PictureKind, PictureStyle, View, picture};
-use crate::runs::{InputObject, SurfaceRecord};
+use crate::measurement::Object;
+use crate::pictures::{LineChart, PictureError, PictureKind, PictureStyle, View, picture};
+use crate::runs::{InputObject, SurfaceRecord, sweep_panels};
 use crate::surface::{LocalQuantity, Surface};
 use serde::Serialize;
 
@@ -23,6 +24,8 @@ pub struct ObjectReport {
     pub histograms: Vec<String>,
     /// Mask and embedding, as SVG.
     pub slices: String,
+    /// V, A, M and chi over a range of sigma, as SVG; `None` without a blur.
+    pub plateau: Option<String>,
 }
 
 /// Quantities whose distributions are drawn.
@@ -64,8 +67,26 @@ impl ObjectReport {
                 .transpose()?,
             histograms: shown.iter().map(|&q| draw(PictureKind::Histogram, q)).collect::<Result<_, _>>()?,
             slices: draw(PictureKind::Slices, LocalQuantity::MeanCurvature)?,
+            plateau: plateau(&source.object),
         })
     }
+}
+
+/// What depends on the blur: numbers at half to twice the sigma in use.
+fn plateau(object: &Object) -> Option<String> {
+    let sigma = object.parameters().sigma_mm?;
+    let sigmas: Vec<f64> = (-4..=4).map(|n| sigma * libm::exp2(f64::from(n) / 4.0)).collect();
+    let measured = object.measure_at(&sigmas);
+    let values: Vec<f64> = measured.iter().filter_map(|m| m.parameters.sigma_mm).collect();
+    let chart = LineChart {
+        along: "sigma (mm)",
+        values: &values,
+        log: true,
+        panels: &sweep_panels(&measured.iter().collect::<Vec<_>>()),
+        title: "",
+        caption: "",
+    };
+    Some(chart.figure().svg().to_owned())
 }
 
 fn why_no_scene(surface: &Surface) -> String {

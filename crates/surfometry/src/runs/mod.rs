@@ -26,4 +26,6 @@ pub use objects::{InputObject, visit_objects};
 pub use output::{Failure, Output, Record, SCHEMA};
 pub use surface_record::{MAP_SCHEMA, SurfaceRecord};
 #[cfg(feature = "pictures")]
+pub(crate) use sweep_chart::sweep_panels;
+#[cfg(feature = "pictures")]
 pub use sweep_chart::{SweepAxis, write_sweep_chart};

@@ -41,7 +41,7 @@ pub fn write_sweep_chart(
         along: axis.name,
         values: &values,
         log,
-        panels: &panels(records),
+        panels: &sweep_panels(&records.iter().map(|record| &record.measured).collect::<Vec<_>>()),
         title: &format!("{}{label}", input_title(&first.input)),
         caption: "Blurred: of the smoothed object. Original: with the smoothing's shift undone; the band is its 95 % interval. Where a line stays level the \
                   choice does not matter; where it drifts or jumps, parts are lost or the grid shows.",
@@ -55,25 +55,27 @@ pub fn write_sweep_chart(
         .map_err(|source| InputError::Write { path: path.to_owned(), source })
 }
 
-fn panels(records: &[Record]) -> Vec<ChartPanel> {
+/// V, A, M and chi of the same object, measured in several ways.
+pub(crate) fn sweep_panels(measured: &[&Measured]) -> Vec<ChartPanel> {
     let line = |name, value: &dyn Fn(&Measured) -> Option<f64>| ChartLine {
         name,
-        values: records.iter().map(|record| value(&record.measured)).collect(),
+        values: measured.iter().map(|m| value(m)).collect(),
         errors: Vec::new(),
     };
     let panel =
         |name, plain: &dyn Fn(&Measured) -> Option<f64>, original: fn(&CompensatedValues) -> Option<f64>| {
-            let error =
-                |record: &Record| original(&record.measured.compensated.standard_error).map(|e| INTERVAL * e);
+            let error = |m: &&Measured| original(&m.compensated.standard_error).map(|e| INTERVAL * e);
             let compensated = ChartLine {
-                errors: records.iter().map(error).collect(),
+                errors: measured.iter().map(error).collect(),
                 ..line("original", &|m: &Measured| original(&m.compensated.values))
             };
             ChartPanel { name, lines: vec![compensated, line("blurred", plain)] }
         };
     let mut volume = panel("volume (mm\u{b3})", &|m| m.volume_mm3, |c| c.volume_mm3);
-    volume.lines.push(line("voxels", &|m: &Measured| Some(m.voxels.volume_mm3)));
-    let voxels = |m: &Measured| Some(m.topology.euler_characteristic_voxels_26 as f64);
+    // Of an object that its image cuts, the part between the cuts; its voxels' topology is that of the whole.
+    let counted = |m: &Measured| Some(m.clip.map_or(m.voxels.volume_mm3, |clip| clip.voxel_volume_mm3));
+    volume.lines.push(line("voxels", &counted));
+    let voxels = |m: &Measured| m.clip.is_none().then_some(m.topology.euler_characteristic_voxels_26 as f64);
     let euler = vec![line("blurred", &|m: &Measured| m.euler_characteristic), line("voxels", &voxels)];
     vec![
         volume,
