@@ -298,12 +298,11 @@ fn topology_flags(e: &Evidence) -> Vec<Flag> {
         );
         flags.push(Flag::new(FlagCode::EulerNotInteger, message));
     }
-    let of_mesh = e.mesh.map(|m| m.euler_characteristic());
-    if of_mesh.is_some_and(|of_mesh| of_mesh != voxels) {
+    let of_mesh = e.mesh.map(|mesh| mesh.euler_characteristic());
+    if let Some(of_mesh) = of_mesh.filter(|of_mesh| *of_mesh != voxels) {
         let message = format!(
-            "the Euler characteristic of the blurred surface is {}, the voxels' {voxels}: the blur closed or opened handles, cavities or \
-             bridges",
-            of_mesh.unwrap_or_default()
+            "the Euler characteristic of the blurred surface is {of_mesh}, the voxels' {voxels}: the blur closed or opened handles, cavities or \
+             bridges"
         );
         flags.push(Flag::new(FlagCode::EulerDiffersFromVoxels, message));
     } else if near && even != voxels as f64 {

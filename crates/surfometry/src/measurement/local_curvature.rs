@@ -35,16 +35,16 @@ impl Measurement {
     /// # Errors
     /// [`MeasureError`] for an empty mask, an embedding without a blur, or a sigma that makes no sense.
     pub fn for_local_curvature(&self, mask: &Mask, scale: CurvatureScale) -> Result<Self, MeasureError> {
+        if scale != CurvatureScale::AsMeasured && !self.embedding.is_blur() {
+            return Err(MeasureError::Conflict(
+                "a scale for curvature belongs to the Gaussian and corrected embeddings: leave --curvature-sigma out",
+            ));
+        }
         let sigma = match scale {
             CurvatureScale::AsMeasured => return Ok(*self),
             CurvatureScale::Mm(sigma) => sigma,
             CurvatureScale::Auto => self.scale_of(mask)?,
         };
-        if !self.embedding.is_blur() {
-            return Err(MeasureError::Conflict(
-                "a scale for curvature belongs to the Gaussian and corrected embeddings: leave --curvature-sigma out",
-            ));
-        }
         let local = Self {
             embedding: EmbeddingKind::Corrected,
             sigma: Some(sigma),

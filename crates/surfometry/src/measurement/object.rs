@@ -1,7 +1,7 @@
 //! One object, ready for whatever is asked of it.
 
 use super::clip::{CutObject, MeasuredPart};
-use super::pass::Pass;
+use super::pass::{ObjectSums, Pass};
 use super::scheme::Scheme;
 use super::setup::{OpenPart, Setup, Totals};
 use super::{EmbeddingKind, MeasureError, Measured, Measurement, Parameters, PlainValues, UncertainValues};
@@ -149,8 +149,10 @@ impl Object<'_> {
         Some((self.scheme.as_ref()?, 0.6 * slope * self.grid().spacing().geometric_mean()))
     }
 
-    fn pass(&self, with_surface: bool) -> Pass<'_> {
-        Pass { region: self.region(), ..self.setup.pass(with_surface) }
+    /// What the tiles of the measured part add up to.
+    fn sums(&self, with_surface: bool) -> ObjectSums {
+        let pass = Pass { region: self.region(), ..self.setup.pass(with_surface) };
+        self.scheme.as_ref().map(|scheme| scheme.sums(&pass)).unwrap_or_default()
     }
 
     /// The part that is measured, with what its boundary adds.
@@ -166,14 +168,12 @@ impl Object<'_> {
 
     /// The integrals alone, plain and compensated, without mesh, topology and flags.
     pub fn integrals(&self) -> (PlainValues, UncertainValues) {
-        let sums = self.scheme.as_ref().map(|s| s.sums(&self.pass(false))).unwrap_or_default();
-        self.setup.values(&sums, self.open().as_ref())
+        self.setup.values(&self.sums(false), self.open().as_ref())
     }
 
     /// The integrals as they were summed; `None` where nothing is inside the level set.
     pub(super) fn plain_integrals(&self) -> Option<Integrals> {
-        let sums = self.scheme.as_ref().map(|s| s.sums(&self.pass(false))).unwrap_or_default();
-        self.setup.surviving(&sums)
+        self.setup.surviving(&self.sums(false))
     }
 
     /// All numbers at other blurs, mm, the rest of the choices as they are; those that make no sense are left out.
@@ -185,7 +185,7 @@ impl Object<'_> {
     /// All numbers.
     pub fn measure(&self) -> Measured {
         let start = Instant::now();
-        let sums = self.scheme.as_ref().map(|s| s.sums(&self.pass(true))).unwrap_or_default();
+        let sums = self.sums(true);
         let integrated = self.preparation + sums.times.share_of_integrals(start.elapsed());
         let mut totals = Totals { sums, open: self.open(), integrated, ..Totals::default() };
         totals.add_voxels(&self.mask, i64::MIN / 2..i64::MAX / 2);

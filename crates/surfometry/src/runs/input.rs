@@ -183,17 +183,16 @@ pub fn measure_input(
         let read = records.first().and_then(|r: &Record| r.measured.read_seconds).unwrap_or_default();
         return Ok(InputRecords { records, read_seconds: read, decode_seconds: 0.0 });
     }
-    if Phantom::is_spec(input) {
+    let mut found = if Phantom::is_spec(input) {
         let (phantom, truth, flags) = open_phantom(input, options.spacing)?;
         let streamed = measurement.run_slabs(&mut phantom.slabs(), &options.labels, progress)?;
-        let mut found = InputRecords::of(input, streamed, Duration::ZERO, truth, &flags);
-        explain_records(input, measurement, options, &mut found.records)?;
-        return Ok(found);
-    }
-    let mut stream = VoxelStream::open(Path::new(input), ReadOptions { spacing: options.spacing })?;
-    let streamed = measurement.run_slabs(&mut stream, &options.labels, progress)?;
-    let flags: Vec<Flag> = conflict_flag(stream.header(), options.spacing).into_iter().collect();
-    let mut found = InputRecords::of(input, streamed, stream.file_time(), None, &flags);
+        InputRecords::of(input, streamed, Duration::ZERO, truth, &flags)
+    } else {
+        let mut stream = VoxelStream::open(Path::new(input), ReadOptions { spacing: options.spacing })?;
+        let streamed = measurement.run_slabs(&mut stream, &options.labels, progress)?;
+        let flags: Vec<Flag> = conflict_flag(stream.header(), options.spacing).into_iter().collect();
+        InputRecords::of(input, streamed, stream.file_time(), None, &flags)
+    };
     explain_records(input, measurement, options, &mut found.records)?;
     Ok(found)
 }

@@ -3,7 +3,7 @@
 use super::{FileLedger, InputError, InputObject, with_parts};
 use crate::io::{MeshDocument, MeshFormat, mesh_paths, write_mesh, write_voxel_map, write_whole};
 use crate::measurement::VoxelQuantity;
-use crate::pictures::{Figure, PictureError, PictureKind, PictureStyle, color_scale, picture};
+use crate::pictures::{Figure, PictureKind, PictureStyle, color_scale, picture};
 use std::io;
 use std::path::{Path, PathBuf};
 
@@ -87,8 +87,7 @@ pub fn write_map_files(
         }
         MapFile::Mesh(_) => mesh_files(source, &path, style, ledger),
         MapFile::Voxels => voxel_files(source, &path, style, ledger),
-        MapFile::Png => picture_files(source, &path, style, ledger, |f| f.to_png(style.dpi_scale)),
-        MapFile::Svg => picture_files(source, &path, style, ledger, |f| Ok(f.svg().as_bytes().to_vec())),
+        MapFile::Png | MapFile::Svg => picture_files(source, &path, style, ledger),
     }
 }
 
@@ -138,7 +137,6 @@ fn picture_files(
     path: &Path,
     style: &MapStyle,
     ledger: &mut FileLedger,
-    bytes: impl Fn(&Figure) -> Result<Vec<u8>, PictureError>,
 ) -> Result<Vec<PathBuf>, InputError> {
     let titled = PictureStyle { title: source.title(), ..style.picture.clone() };
     let mut write = |&kind: &PictureKind| {
@@ -147,11 +145,20 @@ fn picture_files(
             _ => with_parts(path, &[kind.option()]),
         };
         ledger.claim(&path)?;
-        let bytes = bytes(&picture(kind, source.local(), source.surface(), &titled)?)?;
-        write_whole(&path, |out| out.write_all(&bytes)).map_err(|e| written(&path, e))?;
+        let figure = picture(kind, source.local(), source.surface(), &titled)?;
+        write_figure(&figure, &path, style.dpi_scale)?;
         Ok(path)
     };
     style.pictures.iter().map(&mut write).collect()
+}
+
+/// Writes a figure as PNG where its name says so, else as SVG.
+pub(super) fn write_figure(figure: &Figure, path: &Path, dpi_scale: f64) -> Result<(), InputError> {
+    let bytes = match MapFile::of_path(path) {
+        Some(MapFile::Png) => figure.to_png(dpi_scale)?,
+        _ => figure.svg().as_bytes().to_vec(),
+    };
+    write_whole(path, |out| out.write_all(&bytes)).map_err(|e| written(path, e))
 }
 
 fn written(path: &Path, source: io::Error) -> InputError {

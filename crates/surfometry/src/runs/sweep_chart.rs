@@ -1,7 +1,7 @@
 //! An object's numbers over a range of a parameter, as a picture.
 
-use super::{FileLedger, InputError, MapFile, Record, input_title};
-use crate::io::write_whole;
+use super::map_files::write_figure;
+use super::{FileLedger, InputError, MapStyle, Record, input_title};
 use crate::measurement::{CompensatedValues, Measured, Parameters};
 use crate::pictures::{ChartLine, ChartPanel, LineChart};
 use std::path::Path;
@@ -17,8 +17,6 @@ pub struct SweepAxis {
 
 /// Half-width of a 95 % interval in standard errors.
 const INTERVAL: f64 = 1.96;
-/// Pixels of a PNG a unit of the figure.
-const DPI_SCALE: f64 = 2.0;
 
 /// Writes a chart of one object's records, in their order: V, A, M and chi, of the blurred and of the original object with its 95 % bars, against
 /// what was swept.
@@ -46,13 +44,7 @@ pub fn write_sweep_chart(
         caption: "Blurred: of the smoothed object. Original: with the smoothing's shift undone; the band is its 95 % interval. Where a line stays level the \
                   choice does not matter; where it drifts or jumps, parts are lost or the grid shows.",
     };
-    let figure = chart.figure();
-    let bytes = match MapFile::of_path(path) {
-        Some(MapFile::Png) => figure.to_png(DPI_SCALE)?,
-        _ => figure.svg().as_bytes().to_vec(),
-    };
-    write_whole(path, |out| out.write_all(&bytes))
-        .map_err(|source| InputError::Write { path: path.to_owned(), source })
+    write_figure(&chart.figure(), path, MapStyle::default().dpi_scale)
 }
 
 /// V, A, M and chi of the same object, measured in several ways.

@@ -67,7 +67,7 @@ impl fmt::Display for ChangeKind {
 }
 
 /// A change of topology at a place.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TopologyChange {
     /// What; the first of components, cavities, handles that changes decides.
     pub kind: ChangeKind,
@@ -77,10 +77,8 @@ pub struct TopologyChange {
     pub cavities: i64,
     /// By how much the number of handles grows.
     pub handles: i64,
-    /// The voxels none of which can change without it: the middle of a piece or cavity, the line along a strut or a hole, the sheet within a wall
-    /// or a gap.
-    pub core: Vec<[i64; 3]>,
-    /// Of the core, the voxel of lowest rank, at which it happens.
+    /// Where it happens: the voxel of lowest rank of those none of which can change without it, the middle of a piece or cavity, the line along a
+    /// strut or a hole, the sheet within a wall or a gap.
     pub voxel: [i64; 3],
     /// Width there before the change, mm: of the strut, hole, piece or cavity, the wall that was broken or the gap that was filled.
     pub width_mm: f64,
@@ -119,7 +117,7 @@ pub fn topology_changes(before: &Mask, after: &Mask, rank: impl Fn([i64; 3]) -> 
             let kind = kind(cores.gain, [components, cavities, handles])?;
             let voxel = core.iter().copied().min_by(|&a, &b| rank(a).total_cmp(&rank(b)))?;
             let width_mm = width_around(before, voxel);
-            Some(TopologyChange { kind, components, cavities, handles, core: core.clone(), voxel, width_mm })
+            Some(TopologyChange { kind, components, cavities, handles, voxel, width_mm })
         };
         cores.cores.iter().zip(effects).filter_map(change).collect()
     };

@@ -29,53 +29,27 @@ impl Mask {
         bounds: IndexBox,
         runs: impl Fn(usize, usize) -> R,
     ) -> Self {
-        let [nx, ny, nz] = bounds.extent();
-        let words_a_row = nx.div_ceil(WORD);
-        let mut bits = vec![0u64; words_a_row * ny * nz];
-        let (x0, x1) = (bounds.lower[0] as usize, bounds.upper[0] as usize);
-        for ((y, z), words) in bounds.rows().zip(bits.chunks_mut(words_a_row.max(1))) {
+        let mut mask = Self::cleared(grid, bounds);
+        for (y, z) in bounds.rows() {
             for (start, end) in runs(y as usize, z as usize) {
-                let (start, end) = (start.max(x0), end.min(x1));
-                if start < end {
-                    set_bits(words, start - x0, end - x0);
-                }
+                mask.set_run((start as i64, end as i64), y, z);
             }
         }
-        Self { grid, bounds, words_a_row, bits }
-    }
-
-    /// Builds a mask row by row: `fill(y, z, row)` sets the voxels of `bounds` in the row at y, z.
-    pub(crate) fn from_rows(
-        grid: Grid,
-        bounds: IndexBox,
-        mut fill: impl FnMut(usize, usize, &mut [bool]),
-    ) -> Self {
-        let [nx, ny, nz] = bounds.extent();
-        let words_a_row = nx.div_ceil(WORD);
-        let mut bits = vec![0u64; words_a_row * ny * nz];
-        let mut row = vec![false; nx];
-        for (number, words) in bits.chunks_mut(words_a_row.max(1)).enumerate() {
-            let (y, z) = (bounds.lower[1] as usize + number % ny, bounds.lower[2] as usize + number / ny);
-            row.fill(false);
-            fill(y, z, &mut row);
-            for (word, chunk) in words.iter_mut().zip(row.chunks(WORD)) {
-                *word = chunk.iter().enumerate().fold(0, |w, (bit, &on)| w | u64::from(on) << bit);
-            }
-        }
-        Self { grid, bounds, words_a_row, bits }
+        mask
     }
 
     /// A mask of the voxels where a predicate of the index (x, y, z) holds.
     pub fn from_predicate(grid: Grid, inside: impl Fn([usize; 3]) -> bool) -> Self {
-        let mut bounds = IndexBox::EMPTY;
-        let whole = Self::from_rows(grid, grid.index_box(), |y, z, row| {
-            for (x, voxel) in row.iter_mut().enumerate() {
-                *voxel = inside([x, y, z]);
-                if *voxel {
-                    bounds = bounds.hull(&IndexBox::voxel([x as i64, y as i64, z as i64]));
+        let (region, mut bounds) = (grid.index_box(), IndexBox::EMPTY);
+        let mut whole = Self::cleared(grid, region);
+        for (y, z) in region.rows() {
+            for x in region.lower[0]..region.upper[0] {
+                if inside([x, y, z].map(|v| v as usize)) {
+                    whole.set([x, y, z], true);
+                    bounds = bounds.hull(&IndexBox::voxel([x, y, z]));
                 }
             }
-        });
+        }
         whole.on_bounds(bounds)
     }
 
