@@ -75,7 +75,8 @@ fn compensation_is_explained() {
         values.split_whitespace().nth(column).unwrap().parse().unwrap()
     };
     for column in 0..3 {
-        let sum = number("blurred", column) + number("blur's shift", column) + number("band's width", column);
+        let terms = ["blurred", "blur's shift", "band's width", "terraces"];
+        let sum: f64 = terms.iter().map(|term| number(term, column)).sum();
         assert!((sum / number("original", column) - 1.0).abs() < 1e-4, "{}", text(&output.stdout));
     }
 }

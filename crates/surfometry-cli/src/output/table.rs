@@ -122,7 +122,9 @@ fn rows(record: &Record, explain: bool) -> Vec<Vec<String>> {
     ]];
     if let Some(terms) = m.compensation.filter(|_| explain) {
         let signed = |v: f64| format!("{}{}", if v < 0.0 { "- " } else { "+ " }, digits(v.abs()));
-        for (name, term) in [("blur's shift", terms.shift), ("band's width", terms.band)] {
+        let causes =
+            [("blur's shift", terms.shift), ("band's width", terms.band), ("terraces", terms.terraces)];
+        for (name, term) in causes {
             rows.push(vec![
                 String::new(),
                 name.to_owned(),

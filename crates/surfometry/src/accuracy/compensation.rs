@@ -1,5 +1,6 @@
 //! Results for the original object: the blur's and the band's leading effects taken off.
 
+use super::Terraces;
 use crate::integrals::Integrals;
 
 /// V, A and M of the object before the blur.
@@ -20,9 +21,11 @@ pub struct CompensationTerms {
     pub shift: CompensatedIntegrals,
     /// For the band's averaging over parallel surfaces: minus its variance times M and times the integral of K.
     pub band: CompensatedIntegrals,
+    /// For what the blur leaves of the voxels' terraces: minus 3/2 of their mean square slope times A and M, and how the band samples them.
+    pub terraces: CompensatedIntegrals,
 }
 
-/// Undoes, to first order in sigma^2, what the blur did, and to second order in t what the band did.
+/// Undoes, to first order in sigma^2, what the blur did, to second order in t what the band did, and the terraces' part on the mean over directions.
 ///
 /// The blur moves the surface by -sigma^2 H along its normal. Moving it back changes A by 2 sigma^2 int H^2 and M by
 /// sigma^2 int H K. V changes by M at every step of the way, so by sigma^2 times the mean of M on the blurred and on
@@ -33,15 +36,26 @@ pub struct CompensationTerms {
 /// large by `variance` M and A by `variance` int K (Steiner), and M is right because its second derivative along the
 /// normal vanishes.
 ///
+/// Terraces with the mean square slope q make A larger by q/2 A and, their integral of H^2 being q / (2 sigma^2), its shift by q A; the same holds of M, whose second variation is H / 2
+/// times the slope squared. The band's samples lie on the terraces' own grid, which changes A by their excess. Faces along the grid have none.
+///
 /// `sigma` is 0 where the embedding has no leading shift ([`GaussianEmbedding::corrected`](crate::embedding::GaussianEmbedding::corrected)): then
 /// the band's part alone is taken off.
 ///
 /// What is left is of order sigma^4 / R^4: on a ball up to 0.2 % at R = 5 sigma, 3 % at R = 2.5 sigma. Valid at level
 /// 0.5 only.
-pub fn compensation_terms(plain: &Integrals, sigma: f64, variance: f64) -> CompensationTerms {
+pub fn compensation_terms(
+    plain: &Integrals,
+    sigma: f64,
+    variance: f64,
+    terraces: Option<&Terraces>,
+) -> CompensationTerms {
     let surface = &plain.surface;
     let square = sigma * sigma;
     let mean = square * surface.mean_times_gaussian;
+    let slope = terraces.map_or(0.0, |t| if sigma > 0.0 { 1.5 } else { 0.5 } * t.square_slope);
+    let excess = terraces.map_or(0.0, |t| t.sampling_excess);
+    let off_grid = (surface.area - plain.faces.iter().sum::<f64>()).max(0.0);
     CompensationTerms {
         shift: CompensatedIntegrals {
             volume: square * 0.5 * (surface.mean + (surface.mean + mean)),
@@ -53,14 +67,20 @@ pub fn compensation_terms(plain: &Integrals, sigma: f64, variance: f64) -> Compe
             area: -variance * surface.gaussian,
             mean: 0.0,
         },
+        terraces: CompensatedIntegrals {
+            volume: 0.0,
+            area: -(slope + excess) * off_grid,
+            mean: -slope * surface.mean,
+        },
     }
 }
 
 impl CompensationTerms {
     /// The object before the blur, from the integrals that the terms are of.
     pub fn added_to(&self, plain: &Integrals) -> CompensatedIntegrals {
-        let sum =
-            |plain: f64, term: fn(&CompensatedIntegrals) -> f64| plain + term(&self.shift) + term(&self.band);
+        let sum = |plain: f64, term: fn(&CompensatedIntegrals) -> f64| {
+            plain + term(&self.shift) + term(&self.band) + term(&self.terraces)
+        };
         CompensatedIntegrals {
             volume: sum(plain.volume, |t| t.volume),
             area: sum(plain.surface.area, |t| t.area),

@@ -5,6 +5,7 @@ mod curvature_scale;
 mod flags;
 mod local_errors;
 mod scale;
+mod terraces;
 mod uncertainty;
 
 pub use compensation::{CompensatedIntegrals, CompensationTerms, compensation_terms};
@@ -16,4 +17,5 @@ pub use scale::{
     AUTO_SIGMA_SPACINGS, AUTO_THICKNESS_SPACINGS, auto_sigma, auto_thickness, auto_thickness_of_blur,
     band_variance, epsilon_of_blur, thickness_of_blur,
 };
+pub use terraces::Terraces;
 pub use uncertainty::{ErrorModel, IntegralErrors};

@@ -9,8 +9,8 @@ use super::result::{
 use super::voxels::VoxelCounts;
 use super::{Derivatives, EmbeddingKind, MeasureError, Measurement, Parameters};
 use crate::accuracy::{
-    CompensationTerms, ErrorModel, Evidence, Flag, FlagCode, NarrowPlace, band_variance, compensation_terms,
-    raise_flags,
+    CompensationTerms, ErrorModel, Evidence, Flag, FlagCode, NarrowPlace, Terraces, band_variance,
+    compensation_terms, raise_flags,
 };
 use crate::integrals::{Band, Integrals, Quadrature, QuadratureRule, SmearedDelta};
 use crate::local_geometry::{CentralWeights, matched_weights};
@@ -181,8 +181,10 @@ impl Setup {
     ) -> Option<CompensationTerms> {
         let sigma = self.parameters.compensable_sigma()?;
         let integrals = integrals.filter(Integrals::has_surface)?;
-        let variance = band_variance(&self.parameters.profile()?, self.band.delta());
-        let mut terms = compensation_terms(&integrals, sigma, variance);
+        let (profile, delta) = (self.parameters.profile()?, self.band.delta());
+        let variance = band_variance(&profile, delta);
+        let terraces = self.errors.map(|_| Terraces::new(self.grid.spacing(), &profile, delta));
+        let mut terms = compensation_terms(&integrals, sigma, variance, terraces.as_ref());
         if let Some(OpenPart { boundary, .. }) = open {
             terms.shift.area += sigma * sigma * boundary.area;
             terms.shift.mean += sigma * sigma * boundary.mean;
