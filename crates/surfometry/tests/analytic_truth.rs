@@ -55,7 +55,7 @@ fn compensated_integrals_describe_the_original_shape() {
 }
 
 /// The same at automatic sigma and thickness, as far as sigma is at least the largest edge. Beyond (ratio 4 with two
-/// short edges: sigma 0.8) the area is 1 % low and M 1 % high, and the flag says so.
+/// short edges: sigma 0.8) terraces are too high for what is taken off for them: the area is 0.5 % low and M 0.5 % high (1 % both before), and the flag says so.
 #[test]
 fn automatic_lengths_keep_that_accuracy_until_they_are_flagged() {
     let shapes: [fn() -> Box<dyn Shape>; 3] = [
@@ -72,7 +72,7 @@ fn automatic_lengths_keep_that_accuracy_until_they_are_flagged() {
             assert!(volume.abs() < 0.4, "{spacing:?} V {volume}");
             if codes(&measured).contains(&"sigma-below-spacing".to_owned()) {
                 assert_eq!(spacing, [0.25, 0.25, 1.0]);
-                assert!((-1.5..-0.5).contains(&area) && (0.5..1.5).contains(&mean), "A {area} M {mean}");
+                assert!((-1.0..-0.3).contains(&area) && (0.2..0.9).contains(&mean), "A {area} M {mean}");
             } else {
                 assert!(area.abs() < 0.3 && mean.abs() < 0.3, "{spacing:?} A {area} M {mean}");
             }

@@ -30,10 +30,8 @@ const EDGES: f64 = 3.0;
 /// Noise of A and M in units of what V's, spread over a ball of radius R, would make of them.
 const AREA_NOISE: f64 = 1.0;
 const MEAN_NOISE: f64 = 1.0;
-/// Where the surface is nearly along an axis' slices, the blur leaves terraces, which add to A and M: shares of A in units of (h / sigma)^2 with h the rms
-/// spacing, and of M in units of the sum over the axes of (h / sigma)^4. (On cubic voxels of half a sigma A comes out 0.06 % too large on the mean over
-/// poses, and M of balls 0.11 % where the largest spacing is 0.87 sigma, whatever their radius.)
-const ROUGHNESS: [f64; 2] = [0.0030, 0.0018];
+/// What is left after terraces are taken off on the mean over directions: shares of A and M in units of the sum over the axes of (h / sigma)^4.
+const TERRACES: [f64; 2] = [0.0016, 0.0010];
 /// M that is nearly 0, as of minimal surfaces, counts as this share of A / R there.
 const LEAST_MEAN: f64 = 0.25;
 /// The change of M by compensation, which may cancel over a surface, counts as at least this share of sigma^2 A / R^3.
@@ -79,8 +77,8 @@ impl ErrorModel {
         let balls = (surface.area * curvature.powi(2) / (4.0 * PI)).max(1.0);
         let ratio = (self.spacing.largest() / self.sigma).powi(2);
         let ratios = self.spacing.mm().map(|h| (h / self.sigma).powi(2));
-        let rough_area = ROUGHNESS[0] * ratios.iter().sum::<f64>() / 3.0;
-        let rough_mean = ROUGHNESS[1] * ratios.iter().map(|ratio| ratio * ratio).sum::<f64>();
+        let [rough_area, rough_mean] =
+            TERRACES.map(|share| share * ratios.iter().map(|ratio| ratio * ratio).sum::<f64>());
         let least_mean = LEAST_MEAN * surface.area * curvature;
         let area = libm::hypot(
             libm::hypot(AREA_NOISE * 2.0 * curvature * curved.sqrt(), (rims + excess).sqrt()),
