@@ -1,6 +1,8 @@
 #![doc = include_str!("../README.md")]
 
 pub mod accuracy;
+#[cfg(feature = "io")]
+pub mod comparison;
 pub mod embedding;
 pub mod integrals;
 #[cfg(feature = "io")]
@@ -15,6 +17,7 @@ pub mod pictures;
 pub mod report;
 #[cfg(feature = "io")]
 pub mod runs;
+pub mod statistics;
 pub mod surface;
 pub mod tiling;
 pub mod topology;

@@ -1,9 +1,9 @@
 //! Numbers against a parameter, in panels that share it.
 
-use super::canvas::{Anchor, Canvas, FAINT, INK, LABEL, RULE, SMALL, text_width};
+use super::axes::Axes;
+use super::canvas::{Anchor, Canvas, FAINT, INK, LABEL, SMALL, text_width};
 use super::figure::Figure;
 use super::frame::{MARGIN, caption, title};
-use super::ticks::Ticks;
 
 /// Size of a panel's area between its axes.
 const PLOT: [f64; 2] = [300.0, 190.0];
@@ -62,27 +62,6 @@ struct Point {
     error: Option<f64>,
 }
 
-/// From the parameter and a quantity to a place in the figure.
-struct Axes {
-    origin: [f64; 2],
-    along: [f64; 2],
-    range: [f64; 2],
-    log: bool,
-}
-
-impl Axes {
-    fn x(&self, value: f64) -> f64 {
-        let scaled = |v: f64| if self.log { libm::log(v) } else { v };
-        let [low, high] = self.along.map(scaled);
-        self.origin[0] + PLOT[0] * (scaled(value) - low) / (high - low)
-    }
-
-    fn y(&self, value: f64) -> f64 {
-        let [low, high] = self.range;
-        self.origin[1] - PLOT[1] * (value - low) / (high - low)
-    }
-}
-
 impl LineChart<'_> {
     /// Draws it.
     pub fn figure(&self) -> Figure {
@@ -136,7 +115,7 @@ impl LineChart<'_> {
             let middle = [left + 0.5 * PLOT[0], bottom - 0.5 * PLOT[1]];
             return canvas.centered_text(middle, LABEL, FAINT, Anchor::Middle, "no data");
         };
-        self.draw_axes(canvas, &axes);
+        axes.draw(canvas, self.along);
         for line in &panel.lines {
             self.band(canvas, &axes, line);
         }
@@ -197,25 +176,6 @@ impl LineChart<'_> {
         let range = [-most(-1.0, low) - 0.06 * span, most(1.0, high) + 0.06 * span];
         let along =
             [self.values.iter().copied().reduce(f64::min)?, self.values.iter().copied().reduce(f64::max)?];
-        (along[0] < along[1]).then_some(Axes { origin, along, range, log: self.log })
-    }
-
-    fn draw_axes(&self, canvas: &mut Canvas, axes: &Axes) {
-        let [left, bottom] = axes.origin;
-        let ticks = Ticks::new(axes.range, 5);
-        for &value in &ticks.values {
-            let y = axes.y(value);
-            canvas.line([left, y], [left + PLOT[0], y], RULE, 0.5);
-            canvas.line([left - 4.0, y], [left, y], INK, 1.0);
-            canvas.centered_text([left - 8.0, y], SMALL, INK, Anchor::End, &ticks.label(value));
-        }
-        let ticks = if self.log { Ticks::on_log(axes.along) } else { Ticks::new(axes.along, 6) };
-        for &value in &ticks.values {
-            let x = axes.x(value);
-            canvas.line([x, bottom], [x, bottom + 4.0], INK, 1.0);
-            canvas.text([x, bottom + 16.0], SMALL, INK, Anchor::Middle, &ticks.label(value));
-        }
-        canvas.polyline(&[[left, bottom - PLOT[1]], axes.origin, [left + PLOT[0], bottom]], INK, 1.0, "");
-        canvas.text([left + 0.5 * PLOT[0], bottom + 34.0], SMALL, INK, Anchor::Middle, self.along);
+        (along[0] < along[1]).then_some(Axes { origin, size: PLOT, along, range, log: self.log })
     }
 }

@@ -1,5 +1,7 @@
 //! Pictures for papers and reports, drawn without a display: a [`Figure`] is an SVG document, and PNG comes from it.
 
+mod agreement_chart;
+mod axes;
 mod camera;
 mod canvas;
 mod color_bar;
@@ -8,6 +10,7 @@ mod contour;
 mod cool_warm;
 mod dense_field;
 mod error;
+mod euler_histogram;
 mod figure;
 mod frame;
 mod histogram_picture;
@@ -27,9 +30,11 @@ mod view;
 mod view_panels;
 mod volume_rendering;
 
+pub use agreement_chart::{AgreementChart, AgreementPanel};
 pub use camera::Camera;
 pub use color_scale::{ColorScale, ScaleKind};
 pub use error::PictureError;
+pub use euler_histogram::EulerHistogram;
 pub use figure::Figure;
 pub use histogram_picture::{HistogramPicture, HistogramSeries};
 pub use line_chart::{ChartLine, ChartPanel, LineChart};

@@ -3,15 +3,17 @@
 //! Everything that is shown stands in one serialisable [`Report`]; `report.html` is its only template. The file needs no
 //! network: plotly.js, as the `plotly` crate carries it, is inside.
 
+mod comparison_page;
 mod figures;
 mod provenance;
 mod scene;
 mod template;
 
+pub use comparison_page::{ComparisonPage, comparison_chart};
 pub use figures::ObjectReport;
 pub use provenance::{HashedFile, Provenance, Source};
 pub use scene::{MOST_TRIANGLES, Scene};
-pub use template::render;
+pub use template::{render, render_comparison};
 
 use crate::runs::Failure;
 use serde::Serialize;

@@ -65,6 +65,14 @@ impl Source {
                 paths.push(data);
             }
         }
+        Self::of_files(input, &paths)
+    }
+
+    /// An input that is no image.
+    ///
+    /// # Errors
+    /// Whatever the file system says.
+    pub fn of_files(input: &str, paths: &[PathBuf]) -> Result<Self, ReadError> {
         let hashed = |path: &PathBuf| HashedFile::of(path).map_err(|source| ReadError::io(path, source));
         Ok(Self { input: input.to_owned(), files: paths.iter().map(hashed).collect::<Result<_, _>>()? })
     }

@@ -1,23 +1,45 @@
 //! From the context to the page.
 
-use super::Report;
+use super::{ComparisonPage, Report};
 use crate::pictures::significant;
 use minijinja::value::{Serde, Value};
 use minijinja::{Environment, Error, context};
 
 const PAGE: &str = include_str!("report.html");
+const COMPARISON: &str = include_str!("comparison.html");
+const STYLE: &str = include_str!("page.css");
 
 /// The page of a report.
 ///
 /// # Errors
 /// None that data can cause: the template is tested.
 pub fn render(report: &Report) -> Result<String, Error> {
+    let page = context! { report => Value::from(Serde(report)), plotly => plotly_script() };
+    environment()?.template_from_named_str("report.html", PAGE)?.render(page)
+}
+
+/// The page of a comparison.
+///
+/// # Errors
+/// None that data can cause: the template is tested.
+pub fn render_comparison(page: &ComparisonPage) -> Result<String, Error> {
+    let page = context! { page => Value::from(Serde(page)) };
+    environment()?.template_from_named_str("comparison.html", COMPARISON)?.render(page)
+}
+
+fn environment() -> Result<Environment<'static>, Error> {
     let mut environment = Environment::new();
     environment.add_filter("digits", digits);
     environment.add_filter("thousandths", thousandths);
-    environment.add_template("report.html", PAGE)?;
-    let page = context! { report => Value::from(Serde(report)), plotly => plotly_script() };
-    environment.get_template("report.html")?.render(page)
+    environment.add_filter("p_value", p_value);
+    environment.add_template("page.css", STYLE)?;
+    Ok(environment)
+}
+
+/// As journals print it: nothing below 0.0001.
+fn p_value(value: &Value) -> String {
+    let text = |p: f64| if p < 1e-4 { "< 0.0001".to_owned() } else { significant(p, 2) };
+    f64::try_from(value.clone()).map_or_else(|_| "–".to_owned(), text)
 }
 
 /// The element that holds plotly.js. (The crate puts MathJax behind it, which the report has no use for.)

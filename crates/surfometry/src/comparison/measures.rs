@@ -1,0 +1,212 @@
+//! Agreement, column by column.
+
+use super::{Matching, ObjectKey, Row, Table, TableError};
+use crate::statistics::{Agreement, Bootstrap, ConfusionMatrix, EulerRounding, Paired};
+use serde::Serialize;
+
+/// Name and version of the document.
+pub const COMPARE_SCHEMA: &str = "surfometry.compare/1";
+/// Compared where both tables have them.
+const MEASURES: [&str; 5] =
+    ["volume_mm3", "surface_area_mm2", "total_mean_curvature_mm", "average_mean_curvature_per_mm", EULER];
+/// Columns with this in their name hold Euler characteristics: classes, not sizes.
+const EULER: &str = "euler_characteristic";
+
+/// A column of the method's table, and one of the standard's.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ColumnPair {
+    /// In the method's table.
+    pub method: String,
+    /// In the standard's.
+    pub standard: String,
+}
+
+impl std::str::FromStr for ColumnPair {
+    type Err = std::convert::Infallible;
+
+    /// `NAME`, or `METHOD:STANDARD` of columns that are called differently.
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        let (method, standard) = text.split_once(':').unwrap_or((text, text));
+        Ok(Self { method: method.to_owned(), standard: standard.to_owned() })
+    }
+}
+
+/// An object's value by both.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct PairedValue {
+    /// The object, as the method's table names it.
+    #[serde(flatten)]
+    pub object: ObjectKey,
+    /// By the method.
+    pub method: f64,
+    /// By the standard.
+    pub standard: f64,
+}
+
+/// A size by both methods.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct MeasureAgreement {
+    /// The method's column.
+    pub column: String,
+    /// The standard's.
+    pub standard_column: String,
+    /// Matched objects of which one or both have no value.
+    pub left_out: usize,
+    /// What can be said; `None` where `problem` says why not.
+    pub agreement: Option<Agreement>,
+    /// Why nothing can be said.
+    pub problem: Option<String>,
+    /// All pairs.
+    pub values: Vec<PairedValue>,
+}
+
+/// Euler characteristics by both methods.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct EulerAgreement {
+    /// The method's column.
+    pub column: String,
+    /// The standard's.
+    pub standard_column: String,
+    /// Matched objects of which one or both have no value.
+    pub left_out: usize,
+    /// Rounded to even numbers.
+    pub even: ConfusionMatrix,
+    /// Rounded to whole numbers, as in the paper.
+    pub integer: ConfusionMatrix,
+    /// All pairs, not rounded.
+    pub values: Vec<PairedValue>,
+}
+
+/// How far two tables agree.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Comparison {
+    /// [`COMPARE_SCHEMA`].
+    pub schema: &'static str,
+    /// Version of surfometry.
+    pub version: &'static str,
+    /// The method's name.
+    pub method: String,
+    /// The standard's.
+    pub standard: String,
+    /// Objects in both.
+    pub matched: usize,
+    /// Objects of the method alone.
+    pub only_method: Vec<ObjectKey>,
+    /// Objects of the standard alone.
+    pub only_standard: Vec<ObjectKey>,
+    /// Sizes.
+    pub measures: Vec<MeasureAgreement>,
+    /// Euler characteristics.
+    pub euler: Vec<EulerAgreement>,
+}
+
+/// Compares a method's table with the standard's.
+///
+/// `names` are those of method and standard; without `columns`, V, A, M, M / A and chi are compared, as far as both tables have them.
+///
+/// # Errors
+/// [`TableError`].
+pub fn compare(
+    [method, standard]: [&Table; 2],
+    names: [String; 2],
+    columns: &[ColumnPair],
+    how: Bootstrap,
+) -> Result<Comparison, TableError> {
+    let matching = Matching::new(method, standard)?;
+    let columns = if columns.is_empty() { shared(method, standard)? } else { columns.to_vec() };
+    let [name, standard_name] = names;
+    let mut comparison = Comparison {
+        schema: COMPARE_SCHEMA,
+        version: env!("CARGO_PKG_VERSION"),
+        method: name,
+        standard: standard_name,
+        matched: matching.pairs.len(),
+        only_method: matching.only_method.clone(),
+        only_standard: matching.only_standard.clone(),
+        measures: Vec::new(),
+        euler: Vec::new(),
+    };
+    for pair in columns {
+        require(method, &pair.method)?;
+        require(standard, &pair.standard)?;
+        let values = values(&matching, [method, standard], &pair)?;
+        let left_out = matching.pairs.len() - values.len();
+        if pair.method.contains(EULER) {
+            comparison.euler.push(euler(pair, left_out, values));
+        } else {
+            comparison.measures.push(measure(pair, left_out, values, how));
+        }
+    }
+    Ok(comparison)
+}
+
+fn shared(method: &Table, standard: &Table) -> Result<Vec<ColumnPair>, TableError> {
+    let (of_method, of_standard) = (method.numeric_columns(), standard.numeric_columns());
+    let both = |column: &&str| of_method.contains(column) && of_standard.contains(column);
+    let same = |column: &str| ColumnPair { method: column.to_owned(), standard: column.to_owned() };
+    let columns: Vec<ColumnPair> = MEASURES.into_iter().filter(both).map(same).collect();
+    if columns.is_empty() {
+        return Err(TableError::NoMeasure { method: method.path.clone(), standard: standard.path.clone() });
+    }
+    Ok(columns)
+}
+
+fn require(table: &Table, column: &str) -> Result<(), TableError> {
+    if table.columns.iter().any(|name| name == column) {
+        return Ok(());
+    }
+    Err(TableError::NoColumn {
+        path: table.path.clone(),
+        column: column.to_owned(),
+        known: table.numeric_columns().join(", "),
+    })
+}
+
+/// Objects that have a value in both tables.
+fn values(
+    matching: &Matching,
+    [method, standard]: [&Table; 2],
+    pair: &ColumnPair,
+) -> Result<Vec<PairedValue>, TableError> {
+    let number = |table: &Table, row: &Row, column: &str| {
+        row.number(column).map_err(|text| TableError::NotANumber {
+            path: table.path.clone(),
+            object: row.key.to_string(),
+            column: column.to_owned(),
+            text: text.to_owned(),
+        })
+    };
+    let mut values = Vec::new();
+    for (own, other) in &matching.pairs {
+        let found = (number(method, own, &pair.method)?, number(standard, other, &pair.standard)?);
+        if let (Some(method), Some(standard)) = found {
+            values.push(PairedValue { object: own.key.clone(), method, standard });
+        }
+    }
+    Ok(values)
+}
+
+fn measure(pair: ColumnPair, left_out: usize, values: Vec<PairedValue>, how: Bootstrap) -> MeasureAgreement {
+    let of = |value: fn(&PairedValue) -> f64| values.iter().map(value).collect();
+    let pairs = Paired::new(of(|v| v.method), of(|v| v.standard));
+    MeasureAgreement {
+        column: pair.method,
+        standard_column: pair.standard,
+        left_out,
+        agreement: pairs.as_ref().ok().map(|pairs| Agreement::of(pairs, how)),
+        problem: pairs.err().map(|error| error.to_string()),
+        values,
+    }
+}
+
+fn euler(pair: ColumnPair, left_out: usize, values: Vec<PairedValue>) -> EulerAgreement {
+    let pairs: Vec<(f64, f64)> = values.iter().map(|v| (v.method, v.standard)).collect();
+    EulerAgreement {
+        column: pair.method,
+        standard_column: pair.standard,
+        left_out,
+        even: ConfusionMatrix::new(&pairs, EulerRounding::Even),
+        integer: ConfusionMatrix::new(&pairs, EulerRounding::Integer),
+        values,
+    }
+}

@@ -1,0 +1,25 @@
+//! Agreement of two methods on the same objects: regression, Bland-Altman, concordance, intraclass correlation, bootstrap, confusion of topology.
+//!
+//! Intervals are of 95 %. Bias is method minus standard; the paper's tables have it the other way round.
+
+mod agreement;
+mod bland_altman;
+mod bootstrap;
+mod concordance;
+mod confusion;
+mod distributions;
+mod estimate;
+mod intraclass;
+mod paired;
+mod regression;
+
+pub use agreement::{Agreement, Spread};
+pub use bland_altman::{BlandAltman, bland_altman};
+pub use bootstrap::{Bootstrap, bootstrap};
+pub use concordance::concordance;
+pub use confusion::{ConfusionMatrix, EulerRounding};
+pub use distributions::{f_quantile, normal_cdf, normal_quantile, student_quantile, student_tails};
+pub use estimate::Estimate;
+pub use intraclass::{Intraclass, intraclass};
+pub use paired::{PairError, Paired};
+pub use regression::{LinearFit, least_squares};

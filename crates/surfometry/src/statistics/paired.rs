@@ -1,0 +1,109 @@
+//! The same objects by two methods.
+
+use thiserror::Error;
+
+/// Values of a method and of the standard on the same objects: at least three, all finite, neither all the same.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Paired {
+    method: Vec<f64>,
+    standard: Vec<f64>,
+}
+
+/// Why values cannot be compared.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
+#[non_exhaustive]
+pub enum PairError {
+    /// Different counts.
+    #[error("{method} values of the method and {standard} of the standard do not make pairs")]
+    Unpaired {
+        /// Of the method.
+        method: usize,
+        /// Of the standard.
+        standard: usize,
+    },
+    /// Too few.
+    #[error("{0} pairs are too few: agreement needs three")]
+    TooFew(usize),
+    /// Not a number, or infinite.
+    #[error("pair {0} is not finite")]
+    NotFinite(usize),
+    /// Nothing varies.
+    #[error("all values of the {0} are the same, so neither slope nor correlation is defined")]
+    Constant(&'static str),
+}
+
+impl Paired {
+    /// Pairs.
+    ///
+    /// # Errors
+    /// [`PairError`].
+    pub fn new(method: Vec<f64>, standard: Vec<f64>) -> Result<Self, PairError> {
+        if method.len() != standard.len() {
+            return Err(PairError::Unpaired { method: method.len(), standard: standard.len() });
+        }
+        if method.len() < 3 {
+            return Err(PairError::TooFew(method.len()));
+        }
+        let finite = |(m, s): (&f64, &f64)| m.is_finite() && s.is_finite();
+        if let Some(bad) = method.iter().zip(&standard).position(|pair| !finite(pair)) {
+            return Err(PairError::NotFinite(bad));
+        }
+        for (values, name) in [(&method, "method"), (&standard, "standard")] {
+            if values.iter().all(|v| v == &values[0]) {
+                return Err(PairError::Constant(name));
+            }
+        }
+        Ok(Self { method, standard })
+    }
+
+    /// The method's values.
+    pub fn method(&self) -> &[f64] {
+        &self.method
+    }
+
+    /// The standard's values.
+    pub fn standard(&self) -> &[f64] {
+        &self.standard
+    }
+
+    /// Number of pairs.
+    pub fn count(&self) -> usize {
+        self.method.len()
+    }
+
+    /// Method minus standard.
+    pub fn differences(&self) -> Vec<f64> {
+        self.pairs().map(|(m, s)| m - s).collect()
+    }
+
+    /// Means of method and standard.
+    pub fn means(&self) -> Vec<f64> {
+        self.pairs().map(|(m, s)| 0.5 * (m + s)).collect()
+    }
+
+    fn pairs(&self) -> impl Iterator<Item = (f64, f64)> {
+        self.method.iter().copied().zip(self.standard.iter().copied())
+    }
+
+    /// The pairs at some places; `None` where they are none that can be compared.
+    pub(super) fn chosen(&self, places: &[usize]) -> Option<Self> {
+        let take = |values: &[f64]| places.iter().map(|&place| values[place]).collect();
+        Self::new(take(&self.method), take(&self.standard)).ok()
+    }
+}
+
+/// Mean.
+pub(super) fn mean(values: &[f64]) -> f64 {
+    values.iter().sum::<f64>() / values.len() as f64
+}
+
+/// Sum of the products of two numbers' distances from their means.
+pub(super) fn co_moment(a: &[f64], b: &[f64]) -> f64 {
+    let (mean_a, mean_b) = (mean(a), mean(b));
+    a.iter().zip(b).map(|(a, b)| (a - mean_a) * (b - mean_b)).sum()
+}
+
+/// Standard deviation, of a sample.
+pub(super) fn deviation(values: &[f64]) -> f64 {
+    (co_moment(values, values) / (values.len() as f64 - 1.0)).sqrt()
+}
