@@ -27,8 +27,8 @@ pub(crate) struct Args {
     #[arg(long = "column", value_name = "NAME|METHOD:STANDARD")]
     columns: Vec<ColumnPair>,
     /// What to call the two [default: the files' names]
-    #[arg(long, value_name = "METHOD,STANDARD", value_delimiter = ',', num_args = 2)]
-    names: Vec<String>,
+    #[arg(long, value_name = "METHOD,STANDARD", value_parser = two_names)]
+    names: Option<[String; 2]>,
     /// Files to write as well: .html a page with charts, .png or .svg the charts, .json everything; may be given several times
     #[arg(short, long = "output", value_name = "FILE")]
     outputs: Vec<PathBuf>,
@@ -67,8 +67,8 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
 
 /// As told; else the files' names without folders and endings, with folders where these are the same.
 fn names(args: &Args) -> [String; 2] {
-    if let [method, standard] = args.names.as_slice() {
-        return [method.clone(), standard.clone()];
+    if let Some(names) = &args.names {
+        return names.clone();
     }
     let stem = |path: &String| {
         Path::new(path).file_stem().map_or_else(|| path.clone(), |stem| stem.to_string_lossy().into_owned())
@@ -81,6 +81,11 @@ fn names(args: &Args) -> [String; 2] {
     } else {
         ["method".to_owned(), "standard".to_owned()]
     }
+}
+
+fn two_names(text: &str) -> Result<[String; 2], String> {
+    let (method, standard) = text.split_once(',').ok_or("write two names with a comma between them")?;
+    Ok([method.to_owned(), standard.to_owned()])
 }
 
 #[derive(Clone, Copy)]

@@ -1,0 +1,130 @@
+//! `compare` on tables that a user has.
+
+use serde_json::Value;
+use std::path::Path;
+use std::process::{Command, Output};
+
+fn run(args: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_surfometry")).args(args).output().expect("the program runs")
+}
+
+fn text(bytes: &[u8]) -> &str {
+    std::str::from_utf8(bytes).expect("UTF-8")
+}
+
+/// Objects of 10, 20, .. by a method that is 2 % and 0.5 too large, give or take 0.1, in folders of their own, in another order, with one object that the
+/// other has not and one failure each.
+fn tables(folder: &Path) -> [String; 2] {
+    let mut method = "input,label,volume_mm3,euler_characteristic,error\n".to_owned();
+    let mut standard = "label,input,volume_mm3,euler_characteristic,extra\n".to_owned();
+    for n in 1..=6 {
+        let value = 10.0 * f64::from(n);
+        let noise = if n % 2 == 0 { 0.1 } else { -0.1 };
+        let chi = if n == 6 { 0.1 } else { 2.04 };
+        method += &format!("a/{n}.nii,1,{},{chi},\n", 1.02 * value + 0.5 + noise);
+    }
+    for n in (1..=7).rev() {
+        standard += &format!("1,b/{n}.nii,{},2,x\n", 10.0 * f64::from(n));
+    }
+    method += "a/8.nii,,,,not a NIfTI file\n";
+    method += "a/9.nii,1,5,2,\n";
+    let write = |name: &str, text: String| {
+        let path = folder.join(name);
+        std::fs::write(&path, text).unwrap();
+        path.to_str().unwrap().to_owned()
+    };
+    [write("method.csv", method), write("standard.csv", standard)]
+}
+
+#[test]
+fn two_tables_of_the_same_objects() {
+    let folder = tempfile::tempdir().unwrap();
+    let [method, standard] = tables(folder.path());
+    let file = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let (page, chart, numbers) = (file("page.html"), file("chart.svg"), file("all.json"));
+    let output = run(&["compare", &method, &standard, "-o", &page, "-o", &chart, "-o", &numbers]);
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    assert!(text(&output.stderr).contains("6 objects are in both tables, 2 in one alone"));
+    let document: Value = serde_json::from_slice(&std::fs::read(&numbers).unwrap()).unwrap();
+    assert_eq!(document["schema"], "surfometry.compare/1");
+    assert_eq!(document["only_method"][0]["input"], "a/9.nii");
+    assert_eq!(document["only_standard"][0]["input"], "b/7.nii");
+    let agreement = &document["measures"][0]["agreement"];
+    // Differences are 0.02 v + 0.5 -+ 0.1: 1.2 on the mean over 10 .. 60. Method minus standard.
+    let bias = agreement["bland_altman"]["bias"]["value"].as_f64().unwrap();
+    assert!((bias - 1.2).abs() < 1e-9, "{bias}");
+    let slope = agreement["regression"]["slope"]["value"].as_f64().unwrap();
+    assert!((slope - 1.02).abs() < 0.003, "{slope}");
+    let euler = &document["euler"][0];
+    assert_eq!(euler["even"]["classes"], serde_json::json!([0, 2]));
+    assert_eq!(euler["even"]["counts"], serde_json::json!([[0, 0], [1, 5]]));
+    assert!(text(&output.stdout).contains("rounded to even numbers: the same in 83.3 % of 6"));
+    let page = std::fs::read_to_string(&page).unwrap();
+    for wanted in ["volume_mm3", "limits of agreement", "<svg", "7.nii", "SHA-256", "as in the paper"] {
+        assert!(page.contains(wanted), "{wanted}");
+    }
+    // Nothing is fetched, and no name is markup.
+    assert!(!page.contains("<script") && !page.contains("src="));
+    assert!(std::fs::read_to_string(&chart).unwrap().contains("difference: method minus standard"));
+}
+
+/// What was measured against what is exact: two columns of one table.
+#[test]
+fn two_columns_of_one_table() {
+    let folder = tempfile::tempdir().unwrap();
+    let table = folder.path().join("balls.csv");
+    let table = table.to_str().unwrap();
+    let balls = ["10", "12", "14", "17"].map(|r| format!("phantom:ball?radius={r}&shift=0.3,0.2,0.1"));
+    let mut args = vec!["measure"];
+    args.extend(balls.iter().map(String::as_str));
+    args.extend(["--format", "csv", "-o", table]);
+    assert!(run(&args).status.success());
+    let columns = "compensated_surface_area_mm2:truth_surface_area_mm2";
+    let chi = "euler_characteristic:truth_euler_characteristic";
+    let output =
+        run(&["compare", table, table, "--column", columns, "--column", chi, "--names", "ours,exact"]);
+    let shown = text(&output.stdout);
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    assert!(shown.contains("ours against exact: 4 objects") && shown.contains(&columns.replace(':', " : ")));
+    assert!(shown.contains("the same in 100.0 % of 4"));
+}
+
+#[test]
+fn tables_that_cannot_be_compared() {
+    let folder = tempfile::tempdir().unwrap();
+    let [method, standard] = tables(folder.path());
+    let file = |name: &str, text: &str| {
+        let path = folder.path().join(name);
+        std::fs::write(&path, text).unwrap();
+        path.to_str().unwrap().to_owned()
+    };
+    let unnamed = file("unnamed.csv", "name,volume_mm3\na,1\n");
+    let twice = file("twice.csv", "input,volume_mm3\na,1\na,2\n");
+    let words = file("words.csv", "input,label,volume_mm3\na/1.nii,1,big\n");
+    let others = file("others.csv", "input,label,volume_mm3\nz.nii,1,2\n");
+    let ragged = file("ragged.csv", "input,label\na,1,2,3\n");
+    let bare = file("bare.csv", "input,label,mass\na/1.nii,1,2\n");
+    let page = folder.path().join("page.html");
+    let page = page.to_str().unwrap();
+    let cases: [(&[&str], &str); 10] = [
+        (&[&unnamed, &standard], "unnamed.csv: there is no column `input`"),
+        (&[&twice, &twice], "twice.csv: a is there more than once"),
+        (&[&words, &standard, "--column", "volume_mm3"], "words.csv: a/1.nii label 1 has `big` in column"),
+        (&[&method, &others], "no object is in both"),
+        (&[&ragged, &standard], "ragged.csv: not read as CSV"),
+        (&[&bare, &bare], "name one with --column"),
+        (&[&method, &standard, "--column", "mass"], "no column `mass`; columns of numbers are"),
+        (&[&method, "nowhere.csv"], "nowhere.csv: not read as CSV"),
+        (&[&method, &standard, "-o", "page.pdf"], "must end in .html, .png, .svg or .json"),
+        (&[&method, &standard, "-o", &method], "would replace the input"),
+    ];
+    for (args, wanted) in cases {
+        let output = run(&[&["compare"], args, &["-o", page]].concat());
+        assert_eq!(output.status.code(), Some(2), "{args:?}");
+        assert!(text(&output.stderr).contains(wanted), "{args:?}: {}", text(&output.stderr));
+        assert!(!Path::new(page).exists(), "{args:?}");
+    }
+    // Too few objects: said in the place of the numbers, and all else is there.
+    let single = run(&["compare", &bare, &bare, "--column", "mass"]);
+    assert!(single.status.success() && text(&single.stdout).contains("agreement needs three"));
+}
