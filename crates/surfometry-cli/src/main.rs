@@ -32,6 +32,7 @@ enum Command {
     Info(commands::info::Args),
     Phantom(commands::phantom::Args),
     Sweep(commands::sweep::Args),
+    Reference(commands::reference::Args),
     Compare(commands::compare::Args),
     Validate(commands::validate::Args),
 }
@@ -52,6 +53,7 @@ fn main() -> ExitCode {
         Command::Info(args) => commands::info::run(&args),
         Command::Phantom(args) => commands::phantom::run(&args),
         Command::Sweep(args) => commands::sweep::run(&args, cli.quiet),
+        Command::Reference(args) => commands::reference::run(&args, cli.quiet),
         Command::Compare(args) => commands::compare::run(&args, cli.quiet),
         Command::Validate(args) => commands::validate::run(&args, cli.quiet),
     };

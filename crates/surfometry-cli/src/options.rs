@@ -123,12 +123,29 @@ enum ClipOption {
     Exclude,
 }
 
-/// How and what to measure.
-#[derive(Debug, Args)]
-pub(crate) struct MeasureOptions {
+/// Which objects of an input, and how far its voxels are apart.
+#[derive(Debug, Clone, clap::Args)]
+pub(crate) struct InputSelection {
     /// Labels: `all`, `N`, `N,M` (two objects) or `N+M` (one object of two labels)
     #[arg(long, default_value = "all", allow_hyphen_values = true)]
     label: LabelSelection,
+    /// Voxel spacing in mm, fastest axis first: replaces the file's, or supplies what it lacks
+    #[arg(long, value_name = "X,Y,Z", value_parser = spacing, allow_hyphen_values = true)]
+    spacing: Option<Spacing>,
+}
+
+impl InputSelection {
+    pub(crate) fn inputs(&self) -> InputOptions {
+        let (labels, spacing) = (self.label.clone(), self.spacing.map(|s| s.mm()));
+        InputOptions { labels, spacing, ..InputOptions::default() }
+    }
+}
+
+/// How and what to measure.
+#[derive(Debug, Args)]
+pub(crate) struct MeasureOptions {
+    #[command(flatten)]
+    selection: InputSelection,
     /// Blur in mm [default: auto = 2 x the geometric mean of the spacings]
     #[arg(long, value_name = "MM|auto", value_parser = length, allow_hyphen_values = true)]
     sigma: Option<Length>,
@@ -159,9 +176,6 @@ pub(crate) struct MeasureOptions {
     /// The paper's choices: finite-difference, simpson, sigma 2, thickness 2.5; options given beside it win
     #[arg(long)]
     paper: bool,
-    /// Voxel spacing in mm, fastest axis first: replaces the file's, or supplies what it lacks
-    #[arg(long, value_name = "X,Y,Z", value_parser = spacing, allow_hyphen_values = true)]
-    spacing: Option<Spacing>,
 }
 
 impl MeasureOptions {
@@ -234,8 +248,7 @@ impl MeasureOptions {
 
     /// What is asked of each input.
     pub(crate) fn inputs(&self, curvature: CurvatureScale) -> InputOptions {
-        let (labels, spacing) = (self.label.clone(), self.spacing.map(|s| s.mm()));
-        InputOptions { labels, spacing, curvature, ..InputOptions::default() }
+        InputOptions { curvature, ..self.selection.inputs() }
     }
 
     /// Whether sigma follows each image's spacing.

@@ -13,6 +13,7 @@ pub mod measurement;
 pub mod phantoms;
 #[cfg(feature = "pictures")]
 pub mod pictures;
+pub mod reference_methods;
 #[cfg(feature = "report")]
 pub mod report;
 #[cfg(feature = "io")]

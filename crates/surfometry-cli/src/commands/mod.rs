@@ -5,6 +5,7 @@ pub(crate) mod info;
 pub(crate) mod map;
 pub(crate) mod measure;
 pub(crate) mod phantom;
+pub(crate) mod reference;
 pub(crate) mod report;
 pub(crate) mod sweep;
 pub(crate) mod validate;

@@ -41,7 +41,7 @@ pub(crate) fn table_text(output: &Output, explain: bool) -> String {
 }
 
 /// Inputs that were not measured, for a table that goes where stderr does not.
-pub(crate) fn failures_text(output: &Output) -> String {
+pub(crate) fn failures_text<R>(output: &Output<R>) -> String {
     if output.failures.is_empty() {
         return String::new();
     }

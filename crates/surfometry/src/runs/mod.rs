@@ -9,6 +9,7 @@ mod input;
 mod map_files;
 mod objects;
 mod output;
+mod reference;
 mod surface_record;
 #[cfg(feature = "pictures")]
 mod sweep_chart;
@@ -24,6 +25,7 @@ pub use input::{
 pub use map_files::{MapFile, MapStyle, write_map_files};
 pub use objects::{InputObject, visit_objects};
 pub use output::{Failure, Output, Record, SCHEMA};
+pub use reference::{REFERENCE_SCHEMA, ReferenceRecord, reference_input};
 pub use surface_record::{MAP_SCHEMA, SurfaceRecord};
 #[cfg(feature = "pictures")]
 pub(crate) use sweep_chart::sweep_panels;

@@ -1,0 +1,89 @@
+//! The classical estimators that the paper and its field compare with, behind one trait, so that a comparison is a loop.
+//!
+//! They measure the mask as it is, each with its known bias, which its documentation states. None of them gives local curvature.
+
+mod crofton;
+mod dilation;
+mod directions;
+mod odgaard_gundersen;
+mod triangulation;
+mod voxel_counting;
+
+pub use crofton::Crofton;
+pub use dilation::{area_derivative, structure_model_index};
+pub use odgaard_gundersen::OdgaardGundersen;
+pub use triangulation::Triangulation;
+pub use voxel_counting::VoxelCounting;
+
+use crate::volume::Mask;
+use serde::Serialize;
+
+/// A way to measure a mask.
+pub trait ReferenceMethod: Sync {
+    /// Its name on the command line and in records.
+    fn name(&self) -> &'static str;
+
+    /// Measures an object; what the method does not give stays `None`.
+    fn measure(&self, mask: &Mask) -> ReferenceValues;
+}
+
+/// What a method gives; names and units as those of `measure`.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
+pub struct ReferenceValues {
+    /// V.
+    pub volume_mm3: Option<f64>,
+    /// A.
+    pub surface_area_mm2: Option<f64>,
+    /// M, the integral of H; 2 pi times the mean breadth.
+    pub total_mean_curvature_mm: Option<f64>,
+    /// M / A.
+    pub average_mean_curvature_per_mm: Option<f64>,
+    /// Of the surface: twice the solid's.
+    pub euler_characteristic: Option<f64>,
+    /// 6 V (dA / dr) / A^2: 0 of plates, 3 of rods, 4 of balls.
+    pub structure_model_index: Option<f64>,
+}
+
+impl ReferenceValues {
+    /// The same with M / A filled in.
+    fn with_average(self) -> Self {
+        let average = self.total_mean_curvature_mm.zip(self.surface_area_mm2).map(|(mean, area)| mean / area);
+        Self { average_mean_curvature_per_mm: average, ..self }
+    }
+}
+
+/// What bone scientists make of a method's values and a volume of interest (Bouxsein et al. 2010).
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
+pub struct BoneValues {
+    /// BV/TV.
+    pub bone_volume_fraction: Option<f64>,
+    /// BS/BV, 1/mm.
+    pub specific_surface_per_mm: Option<f64>,
+    /// Conn.D, 1/mm^3: 1 less the solid's Euler characteristic, over TV.
+    pub connectivity_density_per_mm3: Option<f64>,
+}
+
+impl BoneValues {
+    /// In a total volume TV, mm^3.
+    pub fn new(values: &ReferenceValues, total_volume: f64) -> Self {
+        Self {
+            bone_volume_fraction: values.volume_mm3.map(|volume| volume / total_volume),
+            specific_surface_per_mm: values.surface_area_mm2.zip(values.volume_mm3).map(|(a, v)| a / v),
+            connectivity_density_per_mm3: values
+                .euler_characteristic
+                .map(|chi| (1.0 - 0.5 * chi) / total_volume),
+        }
+    }
+}
+
+/// All methods.
+pub const METHODS: [&dyn ReferenceMethod; 8] = [
+    &VoxelCounting,
+    &OdgaardGundersen::Foreground26,
+    &OdgaardGundersen::Foreground6,
+    &Triangulation::Mask,
+    &Triangulation::Smoothed,
+    &Triangulation::SmoothedOneSided,
+    &Crofton::Directions3,
+    &Crofton::Directions13,
+];
