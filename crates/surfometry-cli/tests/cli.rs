@@ -421,3 +421,36 @@ fn the_readme_shows_what_the_program_prints() {
     let printed = text(&run(&["measure", spec]).stdout);
     assert!(printed.starts_with(shown), "the README shows\n{shown}\nthe program prints\n{printed}");
 }
+
+/// A closed mesh is measured on a lattice that is asked for; without one, or with a hole, it is told what to do.
+#[test]
+fn meshes_are_measured() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let (stl, ply) = (file("ball.stl"), file("ball.ply"));
+    let ball = "phantom:ball?radius=16&spacing=0.5,0.5,0.5&shift=0.1,0.2,0.3";
+    assert!(run(&["map", ball, "-o", &stl, "-o", &ply, "-q"]).status.success());
+    for mesh in [&stl, &ply] {
+        let output = run(&["measure", mesh, "--spacing", "0.8,0.9,1", "--format", "json"]);
+        assert!(output.status.success(), "{}", text(&output.stderr));
+        let document: Value = serde_json::from_slice(&output.stdout).unwrap();
+        let record = &document["results"][0];
+        // The mesh is that of the blurred ball: sigma^2 / R = 1/16 mm smaller.
+        let radius = 16.0 - 1.0 / 16.0;
+        let area = record["compensated"]["surface_area_mm2"].as_f64().unwrap();
+        assert!((area / (4.0 * std::f64::consts::PI * radius * radius) - 1.0).abs() < 2e-3, "{area}");
+        assert_eq!(record["topology"]["euler_characteristic_mesh"], 2);
+    }
+    let bare = run(&["measure", &stl]);
+    assert_eq!(bare.status.code(), Some(1));
+    assert!(text(&bare.stderr).contains("--spacing X,Y,Z"), "{}", text(&bare.stderr));
+    let page = file("page.html");
+    assert!(run(&["report", &ply, "--spacing", "1,1,1", "-o", &page, "-q"]).status.success());
+    let bytes = std::fs::read(&stl).unwrap();
+    let count = u32::from_le_bytes(bytes[80..84].try_into().unwrap()) - 1;
+    let holed = [&bytes[..80], &count.to_le_bytes(), &bytes[84..bytes.len() - 50]].concat();
+    std::fs::write(file("holed.stl"), holed).unwrap();
+    let open = run(&["measure", &file("holed.stl"), "--spacing", "1,1,1"]);
+    assert_eq!(open.status.code(), Some(1));
+    assert!(text(&open.stderr).contains("is not closed: 3 edges"), "{}", text(&open.stderr));
+}

@@ -24,5 +24,6 @@ pub mod tiling;
 pub mod topology;
 pub mod validation;
 pub mod volume;
+pub mod voxelisation;
 
 pub use measurement::Measurement;

@@ -15,7 +15,7 @@ mod whole_file;
 
 pub use error::ReadError;
 pub use header::{Format, ImageHeader};
-pub use mesh::{MeshDocument, MeshFormat, mesh_paths, write_mesh};
+pub use mesh::{MeshDocument, MeshFormat, is_mesh, mesh_paths, read_mesh, write_mesh};
 pub use nifti_writer::{write_labels, write_voxel_map};
 pub use voxel_stream::VoxelStream;
 pub use whole_file::write_whole;

@@ -1,6 +1,6 @@
 //! Where a report comes from.
 
-use crate::io::{ReadError, read_header};
+use crate::io::{ReadError, is_mesh, read_header};
 use crate::phantoms::Phantom;
 use serde::Serialize;
 use sha2::{Digest, Sha256};
@@ -59,6 +59,9 @@ impl Source {
         let mut paths = Vec::new();
         if !Phantom::is_spec(input) {
             paths.push(PathBuf::from(input));
+            if is_mesh(&paths[0]) {
+                return Self::of_files(input, &paths);
+            }
             let data = read_header(input)?.data.path;
             // The same file under another name counts once.
             if data.canonicalize().ok() != paths[0].canonicalize().ok() {

@@ -3,12 +3,13 @@
 use super::objects::explain_records;
 use super::{Record, visit_objects};
 use crate::accuracy::{Flag, FlagCode};
-use crate::io::{ImageHeader, ReadError, ReadOptions, VoxelStream};
+use crate::io::{ImageHeader, ReadError, ReadOptions, VoxelStream, is_mesh, read_mesh};
 use crate::measurement::{
     CurvatureScale, EmbeddingKind, MeasureError, Measured, Measurement, Progress, StreamError, Streamed,
 };
 use crate::phantoms::{ParsePhantomError, Phantom, Truth};
-use crate::volume::{FieldImage, LabelGroup, LabelImage, LabelSelection, VolumeError};
+use crate::volume::{FieldImage, LabelGroup, LabelImage, LabelSelection, Spacing, VolumeError};
+use crate::voxelisation::{VoxeliseError, VoxelisedMesh};
 use std::io;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -27,6 +28,9 @@ pub enum InputError {
     /// The measurement.
     #[error(transparent)]
     Measure(#[from] MeasureError),
+    /// A mesh that cannot be put on a lattice.
+    #[error(transparent)]
+    Voxelise(#[from] VoxeliseError),
     /// An object without a surface.
     #[error(
         "nothing is left inside the level set at this sigma and level, so there is no surface; use a smaller --sigma"
@@ -129,6 +133,11 @@ pub fn open_labels(input: &str, spacing: Option<[f64; 3]>) -> Result<LabelInput,
         let read_seconds = start.elapsed().as_secs_f64();
         return Ok(LabelInput { image, header: None, truth, flags, read_seconds });
     }
+    if is_mesh(Path::new(input)) {
+        let image = LabelImage::from_slabs(&mut open_mesh(input, spacing)?)?;
+        let read_seconds = start.elapsed().as_secs_f64();
+        return Ok(LabelInput { image, header: None, truth: None, flags: Vec::new(), read_seconds });
+    }
     let mut stream = VoxelStream::open(Path::new(input), ReadOptions { spacing })?;
     let image = LabelImage::from_slabs(&mut stream)?;
     let header = stream.header().clone();
@@ -152,6 +161,15 @@ fn open_phantom(
     let flags =
         if truth.is_none() { vec![Flag::new(FlagCode::TruthNotConverged, unknown)] } else { Vec::new() };
     Ok((phantom, truth, flags))
+}
+
+/// A mesh on a lattice of some spacing.
+fn open_mesh(input: &str, spacing: Option<[f64; 3]>) -> Result<VoxelisedMesh, InputError> {
+    let unfit = InputError::Unfit(
+        "a mesh has no voxels of its own: say with --spacing X,Y,Z how far apart they shall be, in mm",
+    );
+    let spacing = Spacing::new(spacing.ok_or(unfit)?)?;
+    Ok(VoxelisedMesh::new(&read_mesh(Path::new(input))?, spacing)?)
 }
 
 fn conflict_flag(header: &ImageHeader, spacing: Option<[f64; 3]>) -> Option<Flag> {
@@ -187,6 +205,12 @@ pub fn measure_input(
         let (phantom, truth, flags) = open_phantom(input, options.spacing)?;
         let streamed = measurement.run_slabs(&mut phantom.slabs(), &options.labels, progress)?;
         InputRecords::of(input, streamed, Duration::ZERO, truth, &flags)
+    } else if is_mesh(Path::new(input)) {
+        let start = Instant::now();
+        let mut mesh = open_mesh(input, options.spacing)?;
+        let opened = start.elapsed();
+        let streamed = measurement.run_slabs(&mut mesh, &options.labels, progress)?;
+        InputRecords::of(input, streamed, opened, None, &[])
     } else {
         let mut stream = VoxelStream::open(Path::new(input), ReadOptions { spacing: options.spacing })?;
         let streamed = measurement.run_slabs(&mut stream, &options.labels, progress)?;

@@ -8,10 +8,12 @@ mod glb;
 mod little_endian;
 mod obj;
 mod ply;
+mod reader;
 mod stl;
 mod vtp;
 
 pub use document::MeshDocument;
+pub use reader::{is_mesh, read_mesh};
 
 use super::write_whole;
 use std::io::{self, Write};

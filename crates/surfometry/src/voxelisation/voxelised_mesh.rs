@@ -1,0 +1,173 @@
+//! A mesh on a lattice.
+
+use super::crossings::{Crossing, crossings_of};
+use crate::surface::Mesh;
+use crate::volume::{Affine, Grid, Samples, Slab, SlabReader, Spacing, VolumeError, slices_a_slab};
+use std::collections::HashMap;
+use thiserror::Error;
+
+/// Background voxels on every side.
+const MARGIN: i64 = 2;
+/// Most voxels of a lattice.
+const MOST_VOXELS: f64 = 1e12;
+
+/// The voxels whose centres lie inside a closed mesh, slab by slab as a file would yield them: label 1 inside, 0 outside.
+///
+/// The lattice's centres are the whole multiples of the spacing from the world's origin, so meshes of one frame share it. Inside is what a surface goes round once or
+/// more: parts may overlap, cavities are surfaces that face the other way, and a mesh may be turned inside out.
+#[derive(Debug, Clone)]
+pub struct VoxelisedMesh {
+    grid: Grid,
+    /// By row (y, then z), ascending in x.
+    crossings: Vec<(usize, Crossing)>,
+    /// Where each slice's crossings begin, and where the last one's end.
+    starts: Vec<usize>,
+    next_slice: usize,
+}
+
+/// Why a mesh has no voxels.
+#[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
+pub enum VoxeliseError {
+    /// No triangles.
+    #[error("the mesh has no triangles")]
+    Empty,
+    /// A corner that is no place.
+    #[error("vertex {0} of the mesh is not finite")]
+    NotFinite(usize),
+    /// It has no inside.
+    #[error(
+        "the mesh is not closed: {edges} edges, the first at ({x:.4}, {y:.4}, {z:.4}), have no triangle on one side; fill its holes first, for instance in MeshLab"
+    )]
+    Open {
+        /// How many.
+        edges: usize,
+        /// Where the first one begins.
+        x: f64,
+        /// Its y.
+        y: f64,
+        /// Its z.
+        z: f64,
+    },
+    /// A lattice that is too fine.
+    #[error("the spacing is too fine for this mesh: {0:?} voxels; are both in mm?")]
+    TooLarge([f64; 3]),
+    /// A lattice that cannot be.
+    #[error(transparent)]
+    Volume(#[from] VolumeError),
+}
+
+impl VoxelisedMesh {
+    /// Puts a mesh on a lattice.
+    ///
+    /// # Errors
+    /// [`VoxeliseError`].
+    pub fn new(mesh: &Mesh, spacing: Spacing) -> Result<Self, VoxeliseError> {
+        if mesh.triangles.is_empty() {
+            return Err(VoxeliseError::Empty);
+        }
+        if let Some(bad) = mesh.vertices.iter().position(|v| v.iter().any(|c| !c.is_finite())) {
+            return Err(VoxeliseError::NotFinite(bad));
+        }
+        check_closed(mesh)?;
+        let h = spacing.mm();
+        let end = |axis: usize, least: bool| {
+            let places = mesh.vertices.iter().map(|v| v[axis] / h[axis]);
+            if least {
+                places.fold(f64::INFINITY, f64::min).floor()
+            } else {
+                places.fold(f64::NEG_INFINITY, f64::max).ceil()
+            }
+        };
+        let first: [f64; 3] = std::array::from_fn(|axis| end(axis, true) - MARGIN as f64);
+        let extent: [f64; 3] =
+            std::array::from_fn(|axis| end(axis, false) + MARGIN as f64 - first[axis] + 1.0);
+        if extent.iter().product::<f64>() > MOST_VOXELS {
+            return Err(VoxeliseError::TooLarge(extent));
+        }
+        let dimensions = extent.map(|n| n as usize);
+        let axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        let origin = std::array::from_fn(|axis| first[axis] * h[axis]);
+        let grid = Grid::new(dimensions, Affine::from_directions(axes, h, origin))?;
+        let place = |v: &[f64; 3]| std::array::from_fn(|axis| v[axis] / h[axis] - first[axis]);
+        let vertices: Vec<[f64; 3]> = mesh.vertices.iter().map(place).collect();
+        let mut crossings = Vec::new();
+        for triangle in &mesh.triangles {
+            let corners = triangle.map(|v| vertices[v as usize]);
+            crossings_of(corners, |[y, z], crossing| {
+                crossings.push((z as usize * dimensions[1] + y as usize, crossing));
+            });
+        }
+        crossings.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.x.total_cmp(&b.1.x)));
+        let starts =
+            (0..=dimensions[2]).map(|z| crossings.partition_point(|c| c.0 < z * dimensions[1])).collect();
+        Ok(Self { grid, crossings, starts, next_slice: 0 })
+    }
+
+    fn slice(&self, z: usize, voxels: &mut Vec<u8>) {
+        let [nx, ny, _] = self.grid.dimensions();
+        let start = voxels.len();
+        voxels.resize(start + nx * ny, 0);
+        let slice = &mut voxels[start..];
+        for row in self.crossings[self.starts[z]..self.starts[z + 1]].chunk_by(|a, b| a.0 == b.0) {
+            let y = row[0].0 - z * ny;
+            let mut winding = 0;
+            for pair in row.windows(2) {
+                winding += pair[0].1.winding;
+                if winding != 0 {
+                    // Centres from this crossing on, up to the next.
+                    let (from, to) = (pair[0].1.x.ceil() as usize, pair[1].1.x.ceil() as usize);
+                    slice[y * nx + from..y * nx + to].fill(1);
+                }
+            }
+        }
+    }
+}
+
+impl SlabReader for VoxelisedMesh {
+    type Error = VolumeError;
+
+    fn grid(&self) -> &Grid {
+        &self.grid
+    }
+
+    fn next_slab(&mut self) -> Result<Option<Slab>, VolumeError> {
+        let dimensions = self.grid.dimensions();
+        let first = self.next_slice;
+        if first == dimensions[2] {
+            return Ok(None);
+        }
+        let last = (first + slices_a_slab(dimensions, 1)).min(dimensions[2]);
+        let mut voxels = Vec::with_capacity(dimensions[0] * dimensions[1] * (last - first));
+        for z in first..last {
+            self.slice(z, &mut voxels);
+        }
+        self.next_slice = last;
+        Ok(Some(Slab { slices: first..last, samples: Samples::U8(voxels) }))
+    }
+}
+
+/// A surface has an inside where each edge is passed as often one way as the other; vertices count as one where they are at one place.
+fn check_closed(mesh: &Mesh) -> Result<(), VoxeliseError> {
+    let mut names: HashMap<[u64; 3], u32> = HashMap::new();
+    let name = |v: &[f64; 3], names: &mut HashMap<[u64; 3], u32>| {
+        let next = names.len() as u32;
+        // Adding 0 makes -0 the same as 0.
+        *names.entry(v.map(|c| (c + 0.0).to_bits())).or_insert(next)
+    };
+    let named: Vec<u32> = mesh.vertices.iter().map(|v| name(v, &mut names)).collect();
+    let mut uses: HashMap<(u32, u32), (i32, u32)> = HashMap::new();
+    for &[a, b, c] in &mesh.triangles {
+        for (from, to) in [(a, b), (b, c), (c, a)] {
+            let (start, end) = (named[from as usize], named[to as usize]);
+            if start != end {
+                let edge = uses.entry((start.min(end), start.max(end))).or_insert((0, from));
+                edge.0 += if start < end { 1 } else { -1 };
+            }
+        }
+    }
+    let open = uses.values().filter(|(balance, _)| *balance != 0);
+    let Some(first) = open.clone().map(|(_, from)| *from).min() else { return Ok(()) };
+    let [x, y, z] = mesh.vertices[first as usize];
+    Err(VoxeliseError::Open { edges: open.count(), x, y, z })
+}

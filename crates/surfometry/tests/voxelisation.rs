@@ -1,0 +1,159 @@
+//! Closed meshes as voxels, against the shapes that they were made of and against another tool's voxels.
+
+mod common;
+
+use common::{phantom, poses};
+use std::path::Path;
+use surfometry::Measurement;
+use surfometry::io::{MeshDocument, read_labels, read_mesh, write_mesh};
+use surfometry::phantoms::{Ellipsoid, Pose, Torus};
+use surfometry::surface::Mesh;
+use surfometry::volume::{LabelImage, Mask, Spacing};
+use surfometry::voxelisation::{VoxeliseError, VoxelisedMesh};
+
+fn voxels(mesh: &Mesh, spacing: [f64; 3]) -> Mask {
+    let mut voxelised = VoxelisedMesh::new(mesh, Spacing::new(spacing).unwrap()).unwrap();
+    LabelImage::from_slabs(&mut voxelised).unwrap().mask(1)
+}
+
+/// A box with corners at given places, two triangles a side.
+fn cuboid(lower: [f64; 3], upper: [f64; 3]) -> Mesh {
+    let vertices =
+        (0..8).map(|n| std::array::from_fn(|a| if n >> a & 1 == 1 { upper[a] } else { lower[a] })).collect();
+    let sides = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+    let triangles = sides.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
+    Mesh { vertices, triangles }
+}
+
+/// Faces, edges and corners that pass exactly through voxel centres: each centre on the lower side is in, each on the upper out, or the other way, but none twice or not at all.
+#[test]
+fn faces_through_centres() {
+    let mesh = cuboid([1.0, 2.0, 3.0], [5.0, 8.0, 6.0]);
+    assert!(mesh.volume() > 0.0 && mesh.is_closed());
+    let mask = voxels(&mesh, [1.0; 3]);
+    assert_eq!(mask.voxels(), 4 * 6 * 3);
+    let extent = mask.bounds().extent();
+    assert_eq!(extent, [4, 6, 3]);
+    // Inside out, and in two halves that share a wall.
+    let turned =
+        Mesh { triangles: mesh.triangles.iter().map(|&[a, b, c]| [a, c, b]).collect(), ..mesh.clone() };
+    assert_eq!(voxels(&turned, [1.0; 3]).voxels(), 72);
+    let mut halves = cuboid([1.0, 2.0, 3.0], [3.0, 8.0, 6.0]);
+    let other = cuboid([3.0, 2.0, 3.0], [5.0, 8.0, 6.0]);
+    halves.triangles.extend(other.triangles.iter().map(|t| t.map(|v| v + 8)));
+    halves.vertices.extend(other.vertices);
+    assert_eq!(voxels(&halves, [1.0; 3]).voxels(), 72);
+    // Overlapping parts are in once, a cavity is out.
+    let mut hollow = cuboid([0.0; 3], [10.0; 3]);
+    let inner = cuboid([3.0; 3], [7.0; 3]);
+    hollow.triangles.extend(inner.triangles.iter().map(|&[a, b, c]| [a + 8, c + 8, b + 8]));
+    hollow.vertices.extend(inner.vertices);
+    assert_eq!(voxels(&hollow, [1.0; 3]).voxels(), 1000 - 64);
+}
+
+/// The fine mesh of a torus in any pose, on cubic and unequal spacings: nearly the voxels of the shape itself, whose surface the mesh is within a
+/// hundredth of a voxel of, and V and A of the original object within what the grid allows.
+#[test]
+fn voxels_of_a_mesh_are_those_of_its_shape() {
+    for pose in poses() {
+        let fine = phantom(Torus { major: 26.0, minor: 12.0 }, pose, [0.5; 3]);
+        let mesh = Measurement::default()
+            .sigma_mm(1.0)
+            .prepare(&fine.labels().unwrap().mask(1))
+            .unwrap()
+            .surface()
+            .mesh;
+        for spacing in [[1.0; 3], [0.8, 1.0, 1.4]] {
+            let mask = voxels(&mesh, spacing);
+            let measured = Measurement::default().run(&mask).unwrap();
+            let c = &measured.compensated;
+            // The mesh's own integrals are the truth here; M has none that simple.
+            let within = |value: Option<f64>, exact: f64, percent: f64| {
+                let off = 100.0 * (value.unwrap() / exact - 1.0);
+                println!("{spacing:?} {off:+.3} %");
+                assert!(off.abs() < percent, "{spacing:?} {off} %");
+            };
+            within(c.volume_mm3, mesh.volume(), 0.15);
+            within(c.surface_area_mm2, mesh.area(), 0.25);
+            assert_eq!(measured.topology.euler_characteristic_mesh, Some(0));
+            assert!(
+                (mask.voxels() as f64 * spacing.iter().product::<f64>() / mesh.volume() - 1.0).abs() < 2e-3
+            );
+        }
+    }
+}
+
+/// The world's origin and axes are the mesh's: the voxels' centroid is its own.
+#[test]
+fn voxels_stand_where_the_mesh_does() {
+    let mesh = cuboid([100.2, -50.3, 7.1], [110.2, -44.3, 12.1]);
+    let measured = Measurement::default().run(&voxels(&mesh, [0.5, 0.4, 0.3])).unwrap();
+    let centroid = measured.voxels.centroid_mm;
+    for (found, exact) in centroid.iter().zip([105.2, -47.3, 9.6]) {
+        assert!((found - exact).abs() < 0.25, "{centroid:?}");
+    }
+}
+
+#[test]
+fn meshes_without_an_inside() {
+    let spacing = Spacing::new([1.0; 3]).unwrap();
+    let mut open = cuboid([1.0; 3], [5.0; 3]);
+    open.triangles.pop();
+    let error = VoxelisedMesh::new(&open, spacing).unwrap_err();
+    assert!(matches!(error, VoxeliseError::Open { edges: 3, .. }), "{error}");
+    assert_eq!(VoxelisedMesh::new(&Mesh::default(), spacing).unwrap_err(), VoxeliseError::Empty);
+    let mut far = cuboid([1.0; 3], [5.0; 3]);
+    far.vertices[3][1] = f64::NAN;
+    assert_eq!(VoxelisedMesh::new(&far, spacing).unwrap_err(), VoxeliseError::NotFinite(3));
+    let fine = Spacing::new([1e-6; 3]).unwrap();
+    assert!(matches!(VoxelisedMesh::new(&cuboid([1.0; 3], [5.0; 3]), fine), Err(VoxeliseError::TooLarge(_))));
+}
+
+/// What was written is read: STL loses shared vertices and finds them again.
+#[test]
+fn files_of_meshes() {
+    let folder = tempfile::tempdir().unwrap();
+    let shape =
+        phantom(Ellipsoid { radii: [9.0, 7.0, 6.0] }, Pose::new([10.0, 20.0, 30.0], [0.0; 3]), [1.0; 3]);
+    let surface = Measurement::default().prepare(&shape.labels().unwrap().mask(1)).unwrap().surface();
+    for name in ["a.stl", "a.ply"] {
+        let path = folder.path().join(name);
+        let document = MeshDocument { mesh: &surface.mesh, arrays: &[], colors: None, title: "test" };
+        write_mesh(&path, &document).unwrap();
+        let read = read_mesh(&path).unwrap();
+        assert_eq!(read.triangles.len(), surface.mesh.triangles.len());
+        assert!(read.is_closed() && (read.volume() / surface.mesh.volume() - 1.0).abs() < 1e-6);
+        assert_eq!(
+            voxels(&read, [0.7, 0.8, 0.9]).voxels() / 10,
+            voxels(&surface.mesh, [0.7, 0.8, 0.9]).voxels() / 10
+        );
+    }
+    let text = "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid a\n";
+    let path = folder.path().join("text.stl");
+    std::fs::write(&path, text).unwrap();
+    assert_eq!(read_mesh(&path).unwrap().triangles, [[0, 1, 2]]);
+    for (name, bytes) in [("bad.stl", &b"solid\nfacet nonsense"[..]), ("bad.ply", b"ply\nnonsense")] {
+        let path = folder.path().join(name);
+        std::fs::write(&path, bytes).unwrap();
+        let error = read_mesh(&path).unwrap_err().to_string();
+        assert!(error.contains("export the mesh again"), "{error}");
+    }
+}
+
+/// The femur's mesh on the lattice of the voxels that trimesh made of it (../shared/data/real): as many voxels within the noise of where the lattice lies.
+#[test]
+#[cfg_attr(not(shared_data), ignore = "../shared/data is absent")]
+fn a_real_femur() {
+    let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data/real");
+    let mesh = read_mesh(&data.join("mesh/libhip_m3_left_proximal_femur.stl")).unwrap();
+    assert!((mesh.volume() - 184_805.0).abs() < 1.0 && (mesh.area() - 24_385.0).abs() < 1.0);
+    for (name, spacing) in [("1mm", [1.0; 3]), ("2mm", [2.0; 3]), ("0.8x0.8x2.5mm", [0.8, 0.8, 2.5])] {
+        let file = data.join(format!("bone/libhip_m3_left_proximal_femur_{name}.nii.gz"));
+        let theirs = read_labels(&file).unwrap().mask(1).voxels();
+        let ours = voxels(&mesh, spacing).voxels();
+        let apart = ours as f64 / theirs as f64 - 1.0;
+        println!("{name}: {ours} voxels, trimesh {theirs}");
+        // A flat cut of 1100 mm2 lies along the slices: half a slice of it is 0.3 % at 1 mm.
+        assert!(apart.abs() < 0.004 * spacing[2], "{name} {apart}");
+    }
+}
