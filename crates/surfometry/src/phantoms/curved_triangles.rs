@@ -29,7 +29,7 @@ const MOST_CUT_CELLS: usize = 200_000;
 
 /// How far total K / 2 pi may be from an even integer, per unit of chi's size, for a quadrature to be believed; it
 /// is the most sensitive of the integrals.
-const GAUSS_BONNET_TOLERANCE: f64 = 1e-7;
+pub(crate) const GAUSS_BONNET_TOLERANCE: f64 = 1e-7;
 
 type Vector = [f64; 3];
 
@@ -60,8 +60,8 @@ impl Sums {
     }
 }
 
-/// Exact integrals of a shape, from a lattice of spacing about `step` mm, refined until Gauss and Bonnet agree.
-pub(crate) fn integrate_surface<S: Shape + ?Sized>(shape: &S, step: f64) -> Option<Truth> {
+/// Exact integrals of a shape, from a lattice of spacing about `step` mm, refined until Gauss and Bonnet agree within `tolerance`.
+pub(crate) fn integrate_surface<S: Shape + ?Sized>(shape: &S, step: f64, tolerance: f64) -> Option<Truth> {
     (0..=REFINEMENTS).find_map(|n| {
         let lattice = Lattice::new(shape, step / f64::from(1 << n));
         if lattice.cells() > MOST_CELLS || lattice.cut_cells() > MOST_CUT_CELLS {
@@ -70,7 +70,7 @@ pub(crate) fn integrate_surface<S: Shape + ?Sized>(shape: &S, step: f64) -> Opti
         let sums = lattice.sums();
         let chi = sums.gaussian / TAU;
         let even = 2.0 * (chi / 2.0).round();
-        let converged = (chi - even).abs() <= GAUSS_BONNET_TOLERANCE * even.abs().max(1.0);
+        let converged = (chi - even).abs() <= tolerance * even.abs().max(1.0);
         converged.then(|| Truth::new(sums.volume, sums.area, sums.mean, even as i64))
     })
 }

@@ -4,6 +4,8 @@
 //! pose, sampled on a grid ([`Phantom::labels`]). `phantom:NAME?key=value&...` ([`Phantom::from_spec`]) is its
 //! text form.
 
+mod bone;
+mod bone_part;
 mod curved_triangles;
 mod ellipsoid;
 mod genus;
@@ -17,6 +19,7 @@ mod spec;
 mod surface_point;
 mod torus;
 
+pub use bone::Bone;
 pub use ellipsoid::Ellipsoid;
 pub use genus::Genus;
 pub use periodic::{MinimalSurface, Periodic};

@@ -1,13 +1,13 @@
 //! The text form of a phantom: `phantom:NAME?key=value&...`.
 
-use super::{Ball, Capsule, Ellipsoid, Genus, MinimalSurface, Periodic, Phantom, Pose, RoundedBox};
+use super::{Ball, Bone, Capsule, Ellipsoid, Genus, MinimalSurface, Periodic, Phantom, Pose, RoundedBox};
 use super::{Shape, Shell, Torus, TwoBalls};
 use crate::volume::VolumeError;
 use std::collections::BTreeMap;
 use thiserror::Error;
 
 /// The shapes that a spec can name.
-pub const NAMES: [&str; 10] = [
+pub const NAMES: [&str; 12] = [
     "ball",
     "ellipsoid",
     "capsule",
@@ -18,6 +18,8 @@ pub const NAMES: [&str; 10] = [
     "genus",
     "gyroid",
     "schwarz-p",
+    "femur",
+    "vertebra",
 ];
 
 const POSE_KEYS: [&str; 3] = ["spacing", "rotate", "shift"];
@@ -121,6 +123,12 @@ fn shape(v: &mut Values) -> Result<Box<dyn Shape>, ParsePhantomError> {
         }),
         "gyroid" => periodic(v, MinimalSurface::Gyroid)?,
         "schwarz-p" => periodic(v, MinimalSurface::SchwarzP)?,
+        "femur" => Box::new(Bone::proximal_femur(v.count("individual", 1)?)),
+        "vertebra" => {
+            let (individual, holes) = (v.count("individual", 1)?, v.count("holes", 1)?);
+            v.require(holes == 1 || holes == 2, "holes must be 1, or 2 for another one in a process")?;
+            Box::new(Bone::lumbar_vertebra(individual, holes == 2))
+        }
         _ => return Err(ParsePhantomError::UnknownName(v.name.clone())),
     })
 }
