@@ -1,5 +1,6 @@
 //! One file a command.
 
+pub(crate) mod cohort;
 pub(crate) mod compare;
 pub(crate) mod info;
 pub(crate) mod map;

@@ -22,7 +22,7 @@ pub struct Terraces {
 const HIGHEST: f64 = 8.0;
 /// Mean over a wave's phase y, integrated over tau from 0, of cos(2 pi m Y), where Y = y + sum over k of exp(-tau k^2) sin(2 pi k y) / (pi k): how a terrace's
 /// m-th harmonic meets the grid that it comes from. To first order in its height the first is -1.
-const HARMONICS: [f64; 4] = [-0.921, 0.592, -0.481, 0.422];
+const HARMONICS: [f64; 4] = [-0.923, 0.592, -0.481, 0.422];
 
 impl Terraces {
     /// Of a blurred mask of some spacing, seen by a delta.

@@ -6,6 +6,8 @@
 
 mod bone;
 mod bone_part;
+mod chance;
+mod cohort;
 mod curved_triangles;
 mod ellipsoid;
 mod genus;
@@ -20,6 +22,7 @@ mod surface_point;
 mod torus;
 
 pub use bone::Bone;
+pub use cohort::{CohortMember, cohort};
 pub use ellipsoid::Ellipsoid;
 pub use genus::Genus;
 pub use periodic::{MinimalSurface, Periodic};

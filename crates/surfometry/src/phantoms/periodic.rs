@@ -1,6 +1,6 @@
 //! Triply periodic minimal surfaces, cut out by a rounded box.
 
-use super::curved_triangles::{GAUSS_BONNET_TOLERANCE, integrate_surface};
+use super::curved_triangles::integrate_surface;
 use super::jet_arithmetic::Smooth;
 use super::{Shape, Truth, value_and_jet};
 use std::f64::consts::TAU;
@@ -64,7 +64,7 @@ impl Shape for Periodic {
     value_and_jet!();
 
     fn truth(&self) -> Option<Truth> {
-        integrate_surface(self, self.period / 10.0, GAUSS_BONNET_TOLERANCE)
+        integrate_surface(self, self.period / 10.0)
     }
 
     fn half_extent(&self) -> [f64; 3] {

@@ -1,5 +1,6 @@
 //! A shape in a pose, sampled on a grid.
 
+use super::chance::Chance;
 use super::{Pose, Shape, Truth};
 use crate::volume::slices_a_slab;
 use crate::volume::{Affine, Grid, LabelImage, Samples, Slab, SlabReader, VolumeError};
@@ -12,6 +13,7 @@ pub struct Phantom {
     shape: Box<dyn Shape>,
     pose: Pose,
     grid: Grid,
+    jitter: f64,
 }
 
 impl Phantom {
@@ -28,7 +30,14 @@ impl Phantom {
         let dimensions: [usize; 3] = std::array::from_fn(|a| voxels(a) + 1 + 2 * MARGIN);
         let mut affine = Affine::diagonal(spacing);
         affine.origin = std::array::from_fn(|a| -0.5 * (dimensions[a] - 1) as f64 * spacing[a]);
-        Ok(Self { shape: Box::new(shape), pose, grid: Grid::new(dimensions, affine)? })
+        Ok(Self { shape: Box::new(shape), pose, grid: Grid::new(dimensions, affine)?, jitter: 0.0 })
+    }
+
+    /// The same with slices along z that are shifted against each other in plane, as hand-drawn contours are, by a standard deviation of some mm. The truth stays that of
+    /// the shape.
+    #[must_use]
+    pub fn with_jitter(self, mm: f64) -> Self {
+        Self { jitter: mm, ..self }
     }
 
     /// Exact integrals; `None` where their quadrature did not converge.
@@ -66,8 +75,11 @@ impl Phantom {
 
     fn slice(&self, z: usize, voxels: &mut Vec<u8>) {
         let [nx, ny, _] = self.grid.dimensions();
+        let mut chance = Chance::new(z as u64);
+        let [dx, dy] = [(); 2].map(|()| chance.about_zero(2.0 * self.jitter));
         for (x, y) in (0..ny).flat_map(|y| (0..nx).map(move |x| (x, y))) {
             let world = self.grid.affine().apply([x, y, z].map(|i| i as f64));
+            let world = [world[0] + dx, world[1] + dy, world[2]];
             voxels.push(u8::from(self.shape.value(self.pose.to_shape(world)) < 0.0));
         }
     }

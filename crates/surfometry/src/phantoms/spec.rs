@@ -22,7 +22,7 @@ pub const NAMES: [&str; 12] = [
     "vertebra",
 ];
 
-const POSE_KEYS: [&str; 3] = ["spacing", "rotate", "shift"];
+const POSE_KEYS: [&str; 4] = ["spacing", "rotate", "shift", "jitter"];
 
 /// Why a phantom spec cannot be used.
 #[derive(Debug, Clone, PartialEq, Error)]
@@ -81,8 +81,11 @@ impl Phantom {
         let shape = shape(&mut values)?;
         let pose = Pose::new(values.triple("rotate", [0.0; 3])?, values.triple("shift", [0.0; 3])?);
         let spacing = values.triple("spacing", [1.0; 3])?;
+        let jitter = values.take("jitter", 0.0, "a standard deviation in mm, 0 or more", |text| {
+            finite(text).filter(|&v| v >= 0.0)
+        })?;
         values.finish()?;
-        Ok(Self::new(shape, pose, spacing)?)
+        Ok(Self::new(shape, pose, spacing)?.with_jitter(jitter))
     }
 }
 
@@ -240,7 +243,9 @@ mod tests {
     fn refusals_say_what_is_accepted() {
         let message = |spec: &str| Phantom::from_spec(spec).err().expect(spec).to_string();
         assert!(message("phantom:cube").contains("ball, ellipsoid"));
-        assert!(message("phantom:ball?radii=1,2,3").contains("it takes radius, spacing, rotate, shift"));
+        assert!(
+            message("phantom:ball?radii=1,2,3").contains("it takes radius, spacing, rotate, shift, jitter")
+        );
         assert!(message("phantom:ball?radius=-1").contains("a positive length"));
         assert!(message("phantom:ball?spacing=1,1").contains("three numbers"));
         assert!(message("phantom:ball?spacing=1,0,1").contains("spacing along axis 1 is 0"));
