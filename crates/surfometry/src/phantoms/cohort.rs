@@ -21,13 +21,13 @@ const JITTER: f64 = 0.15;
 /// Each has a shape and size of its own, lies as a patient does (within some degrees), anywhere on the lattice, and has the spacing of a clinical scan as in the paper:
 /// 0.58 to 0.98 mm in plane (median 0.70), slices of 0.62 to 1.0 mm (median 0.625); its slices are shifted a little against each other, as contours drawn by hand are.
 pub fn cohort(femurs: u32, vertebrae: u32) -> Vec<CohortMember> {
-    let femur = |n: u32| member("femur", n, String::new());
+    let femur = |n: u32| member("femur", n, "");
     let holes = |n: u32| if SECOND_HOLES.contains(&n) { "&holes=2" } else { "" };
-    let vertebra = |n: u32| member("vertebra", n, holes(n).to_owned());
+    let vertebra = |n: u32| member("vertebra", n, holes(n));
     (1..=femurs).map(femur).chain((1..=vertebrae).map(vertebra)).collect()
 }
 
-fn member(bone: &str, number: u32, more: String) -> CohortMember {
+fn member(bone: &str, number: u32, more: &str) -> CohortMember {
     let mut chance = Chance::new(u64::from(number) << 32 | bone.len() as u64);
     // Half of the scans below 0.703 mm.
     let even = chance.even();
