@@ -25,10 +25,10 @@ const HIGHEST: f64 = 8.0;
 const HARMONICS: [f64; 4] = [-0.923, 0.592, -0.481, 0.422];
 
 impl Terraces {
-    /// Of a blurred mask of some spacing, seen by a delta.
-    pub fn new(spacing: Spacing, profile: &EdgeProfile, delta: &SmearedDelta) -> Self {
+    /// Of a blurred mask of some spacing, seen by a delta; `lattice` is [`inverse_fourth_powers`] of the spacing.
+    pub(super) fn new(spacing: Spacing, lattice: f64, profile: &EdgeProfile, delta: &SmearedDelta) -> Self {
         Self {
-            square_slope: square_slope(profile, inverse_fourth_powers(spacing)),
+            square_slope: square_slope(profile, lattice),
             sampling_excess: sampling_excess(spacing, profile, delta),
         }
     }
@@ -49,7 +49,8 @@ fn square_slope(profile: &EdgeProfile, lattice: f64) -> f64 {
 fn sampling_excess(spacing: Spacing, profile: &EdgeProfile, delta: &SmearedDelta) -> f64 {
     let half = profile.distance_of(delta.half_width().min(profile.value(6.0 * profile.sigma())));
     let h = spacing.mm();
-    let highest = HIGHEST / (2.0 * half);
+    // What thinner bands miss or hit is chance, which is flagged (`thickness-below-spacing`); and frequencies without end would take as long to sum.
+    let highest = HIGHEST / (2.0 * half).max(spacing.smallest());
     let reach = h.map(|h| (highest * h).floor() as i64);
     let mut excess = 0.0;
     for k in -reach[2]..=reach[2] {

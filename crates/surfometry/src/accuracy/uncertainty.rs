@@ -1,7 +1,9 @@
 //! Standard errors of integrals.
 
+use super::Terraces;
 use super::terraces::inverse_fourth_powers;
-use crate::integrals::{Integrals, SurfaceIntegrals};
+use crate::embedding::EdgeProfile;
+use crate::integrals::{Integrals, SmearedDelta, SurfaceIntegrals};
 use crate::volume::Spacing;
 use std::f64::consts::PI;
 
@@ -54,8 +56,12 @@ impl ErrorModel {
     /// For surfaces after a blur of sigma mm, integrated over a band of some thickness in mm.
     pub fn new(spacing: Spacing, sigma: f64, thickness: f64) -> Self {
         let face_excess = spacing.mm().map(|h| face_excess(thickness / h));
-        let lattice = inverse_fourth_powers(spacing);
-        Self { spacing, sigma, lattice, face_excess }
+        Self { spacing, sigma, lattice: inverse_fourth_powers(spacing), face_excess }
+    }
+
+    /// What the blur leaves of the voxels' terraces, seen by a band's delta: for [`compensation_terms`](super::compensation_terms).
+    pub fn terraces(&self, profile: &EdgeProfile, delta: &SmearedDelta) -> Terraces {
+        Terraces::new(self.spacing, self.lattice, profile, delta)
     }
 
     /// Spread over sub-voxel shifts and rotations of what a smooth, curved object's voxels give.

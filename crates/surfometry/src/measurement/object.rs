@@ -90,6 +90,7 @@ impl Measurement {
             grid: *grid,
             weights: None,
             errors: None,
+            terraces: None,
         };
         let scheme = Some(Scheme::Given(differences));
         Ok(Object { mask: Cow::Owned(mask), setup, scheme, part: None, preparation: start.elapsed() })

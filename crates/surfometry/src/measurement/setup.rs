@@ -32,6 +32,8 @@ pub(super) struct Setup {
     pub(super) weights: Option<[CentralWeights; 3]>,
     /// How far integrals are from exact; `None` where that was not studied.
     pub(super) errors: Option<ErrorModel>,
+    /// What the blur leaves of the voxels' steps; `None` where errors are.
+    pub(super) terraces: Option<Terraces>,
 }
 
 /// What was summed over an object, whole or as far as its slices have come.
@@ -67,6 +69,8 @@ impl Setup {
         let delta = SmearedDelta::new(measurement.delta, parameters.epsilon, parameters.saturation());
         let band = Band::new(delta, parameters.thickness_mm);
         let blurred = parameters.shift_sigma().zip(parameters.level);
+        let errors = error_model(&parameters, grid.spacing());
+        let modelled = errors.zip(parameters.profile());
         Ok(Self {
             measurement: *measurement,
             parameters,
@@ -77,7 +81,8 @@ impl Setup {
                 .sigma_mm
                 .filter(|_| parameters.derivatives == Derivatives::Matched)
                 .map(|sigma| matched_weights(sigma, grid.spacing().mm())),
-            errors: error_model(&parameters, grid.spacing()),
+            errors,
+            terraces: modelled.map(|(model, profile)| model.terraces(&profile, &delta)),
         })
     }
 
@@ -181,10 +186,8 @@ impl Setup {
     ) -> Option<CompensationTerms> {
         let sigma = self.parameters.compensable_sigma()?;
         let integrals = integrals.filter(Integrals::has_surface)?;
-        let (profile, delta) = (self.parameters.profile()?, self.band.delta());
-        let variance = band_variance(&profile, delta);
-        let terraces = self.errors.map(|_| Terraces::new(self.grid.spacing(), &profile, delta));
-        let mut terms = compensation_terms(&integrals, sigma, variance, terraces.as_ref());
+        let variance = band_variance(&self.parameters.profile()?, self.band.delta());
+        let mut terms = compensation_terms(&integrals, sigma, variance, self.terraces.as_ref());
         if let Some(OpenPart { boundary, .. }) = open {
             terms.shift.area += sigma * sigma * boundary.area;
             terms.shift.mean += sigma * sigma * boundary.mean;
