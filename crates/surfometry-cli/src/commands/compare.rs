@@ -5,8 +5,8 @@ use crate::output::{Layout, check_output, deliver, digits, json_text, say};
 use anyhow::{Context, Result, bail};
 use std::path::{Path, PathBuf};
 use surfometry::comparison::{ColumnPair, Comparison, EulerAgreement, Table, compare};
-use surfometry::io::write_whole;
 use surfometry::report::{ComparisonPage, Provenance, Source, comparison_chart, render_comparison};
+use surfometry::runs::{MapStyle, write_figure};
 use surfometry::statistics::{Agreement, Bootstrap, ConfusionMatrix, Estimate};
 
 /// Compare two tables of the same objects: regression, Bland-Altman, concordance, Euler characteristics
@@ -36,9 +36,6 @@ pub(crate) struct Args {
     #[arg(long, value_name = "N", default_value_t = 2000, value_parser = clap::value_parser!(u32).range(100..=1_000_000))]
     bootstrap: u32,
 }
-
-/// Enlargement of a chart that is written as PNG.
-const DPI_SCALE: f64 = 2.0;
 
 pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
     let inputs = [args.method.clone(), args.standard.clone()];
@@ -91,8 +88,7 @@ fn two_names(text: &str) -> Result<[String; 2], String> {
 #[derive(Clone, Copy)]
 enum Kind {
     Page,
-    Png,
-    Svg,
+    Picture,
     Json,
 }
 
@@ -100,29 +96,28 @@ fn kind_of(path: &Path) -> Result<Kind> {
     let ending = path.extension().map(|ending| ending.to_string_lossy().to_ascii_lowercase());
     Ok(match ending.as_deref() {
         Some("html" | "htm") => Kind::Page,
-        Some("png") => Kind::Png,
-        Some("svg") => Kind::Svg,
+        Some("png" | "svg") => Kind::Picture,
         Some("json") => Kind::Json,
         _ => bail!("{}: the name must end in .html, .png, .svg or .json", path.display()),
     })
 }
 
 fn write(path: &Path, comparison: &Comparison, inputs: &[String; 2]) -> Result<()> {
-    let chart = || comparison_chart(comparison).context("no measure could be compared, so there is no chart");
-    let bytes = match kind_of(path)? {
-        Kind::Png => chart()?.to_png(DPI_SCALE)?,
-        Kind::Svg => chart()?.svg().as_bytes().to_vec(),
-        Kind::Json => json_text(comparison)?.into_bytes(),
+    match kind_of(path)? {
+        Kind::Picture => {
+            let chart =
+                comparison_chart(comparison).context("no measure could be compared, so there is no chart")?;
+            Ok(write_figure(&chart, path, MapStyle::default().dpi_scale)?)
+        }
+        Kind::Json => deliver(&json_text(comparison)?, Some(path)),
         Kind::Page => {
             let command: Vec<String> = std::env::args().collect();
             let source = |input: &String| Source::of_files(input, &[PathBuf::from(input)]);
             let sources = inputs.iter().map(source).collect::<Result<_, _>>()?;
             let page = ComparisonPage::new(comparison.clone(), Provenance::new(command.join(" "), sources));
-            render_comparison(&page)?.into_bytes()
+            deliver(&render_comparison(&page)?, Some(path))
         }
-    };
-    write_whole(path, |out| std::io::Write::write_all(out, &bytes))
-        .with_context(|| format!("{}: cannot be written", path.display()))
+    }
 }
 
 fn text(comparison: &Comparison) -> String {

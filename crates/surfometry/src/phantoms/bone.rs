@@ -3,7 +3,7 @@
 use super::bone_part::Part;
 use super::chance::Chance;
 use super::curved_triangles::integrate_until_steady;
-use super::jet_arithmetic::Smooth;
+use super::jet_arithmetic::{Smooth, smooth_maximum, smooth_minimum};
 use super::{Shape, Truth, value_and_jet};
 
 /// A bone of an individual, made of parts that blend.
@@ -76,15 +76,10 @@ impl Bone {
         let first = parts.next().expect("a bone has parts");
         let whole = parts.fold(first, |whole, part| smooth_minimum(whole, part, self.blend));
         match self.cut {
-            Some(z) => smooth_minimum(whole * -1.0, p[2] + -z, RIM) * -1.0,
+            Some(z) => smooth_maximum(whole, p[2] * -1.0 + z, RIM),
             None => whole,
         }
     }
-}
-
-/// (a + b - sqrt((a - b)^2 + w^2)) / 2.
-fn smooth_minimum<T: Smooth>(a: T, b: T, w: f64) -> T {
-    (a + b - ((a - b).square() + w * w).sqrt()) * 0.5
 }
 
 impl Shape for Bone {

@@ -68,6 +68,16 @@ pub(crate) fn norm<T: Smooth, const N: usize>(p: [T; N]) -> T {
     p[1..].iter().fold(p[0].square(), |sum, &v| sum + v.square()).sqrt()
 }
 
+/// (a + b + sqrt((a - b)^2 + w^2)) / 2: the larger of two, blended over a width.
+pub(crate) fn smooth_maximum<T: Smooth>(a: T, b: T, w: f64) -> T {
+    (a + b + ((a - b).square() + w * w).sqrt()) * 0.5
+}
+
+/// The smaller of two, blended alike.
+pub(crate) fn smooth_minimum<T: Smooth>(a: T, b: T, w: f64) -> T {
+    smooth_maximum(a * -1.0, b * -1.0, w) * -1.0
+}
+
 /// Axes of the Hessian's entries.
 const PAIRS: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)];
 

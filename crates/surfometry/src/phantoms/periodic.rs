@@ -1,7 +1,7 @@
 //! Triply periodic minimal surfaces, cut out by a rounded box.
 
 use super::curved_triangles::integrate_surface;
-use super::jet_arithmetic::Smooth;
+use super::jet_arithmetic::{Smooth, smooth_maximum};
 use super::{Shape, Truth, value_and_jet};
 use std::f64::consts::TAU;
 
@@ -54,11 +54,6 @@ impl Periodic {
 const CORE: f64 = 0.01;
 /// Width over which network and box blend, in periods: rounds the rims with a radius of this order.
 const ROUNDING: f64 = 0.2;
-
-/// (a + b + sqrt((a - b)^2 + w^2)) / 2.
-fn smooth_maximum<T: Smooth>(a: T, b: T, w: f64) -> T {
-    (a + b + ((a - b).square() + w * w).sqrt()) * 0.5
-}
 
 impl Shape for Periodic {
     value_and_jet!();

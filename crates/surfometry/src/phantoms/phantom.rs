@@ -2,8 +2,7 @@
 
 use super::chance::Chance;
 use super::{Pose, Shape, Truth};
-use crate::volume::slices_a_slab;
-use crate::volume::{Affine, Grid, LabelImage, Samples, Slab, SlabReader, VolumeError};
+use crate::volume::{Affine, Grid, LabelImage, Slab, SlabReader, VolumeError, made_slab};
 
 /// Background voxels around a phantom.
 const MARGIN: usize = 2;
@@ -99,15 +98,8 @@ impl SlabReader for PhantomSlabs<'_> {
     }
 
     fn next_slab(&mut self) -> Result<Option<Slab>, VolumeError> {
-        let dimensions = self.phantom.grid.dimensions();
-        let first = self.next_slice;
-        if first == dimensions[2] {
-            return Ok(None);
-        }
-        let last = (first + slices_a_slab(dimensions, 1)).min(dimensions[2]);
-        let mut voxels = Vec::with_capacity(dimensions[0] * dimensions[1] * (last - first));
-        (first..last).for_each(|z| self.phantom.slice(z, &mut voxels));
-        self.next_slice = last;
-        Ok(Some(Slab { slices: first..last, samples: Samples::U8(voxels) }))
+        let phantom = self.phantom;
+        let slice = |z: usize, voxels: &mut Vec<u8>| phantom.slice(z, voxels);
+        Ok(made_slab(phantom.grid.dimensions(), &mut self.next_slice, slice))
     }
 }

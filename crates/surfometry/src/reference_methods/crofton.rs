@@ -2,7 +2,7 @@
 
 use super::directions::shares;
 use super::{ReferenceMethod, ReferenceValues};
-use crate::surface::{cross, unit};
+use crate::surface::{cross, dot, length, unit};
 use crate::volume::Mask;
 use rayon::prelude::*;
 use std::f64::consts::PI;
@@ -19,7 +19,7 @@ pub enum Crofton {
 }
 
 /// Half of the 26 neighbours.
-const STEPS: [[i64; 3]; 13] = [
+pub(super) const STEPS: [[i64; 3]; 13] = [
     [1, 0, 0],
     [0, 1, 0],
     [0, 0, 1],
@@ -89,9 +89,8 @@ fn area(mask: &Mask, steps: &[[i64; 3]]) -> f64 {
     let of_direction = |((&step, vector), share): ((&[i64; 3], &[f64; 3]), f64)| {
         // Ways out; there are as many ways in.
         let hits = 2.0 * count(mask, |at| mask.get(at) && !mask.get(plus(at, step))) as f64;
-        let length = vector.iter().map(|c| c * c).sum::<f64>().sqrt();
         // The mean of |cos| over the sphere is 1/2.
-        2.0 * share * hits * cell / length
+        2.0 * share * hits * cell / length(*vector)
     };
     steps.iter().zip(&vectors).zip(shares).map(of_direction).sum()
 }
@@ -103,7 +102,7 @@ fn total_mean_curvature(mask: &Mask, planes: &[[[i64; 3]; 2]]) -> f64 {
     let shares = shares(&normals.iter().map(|&n| unit(n)).collect::<Vec<_>>());
     let cell = mask.grid().spacing().cell_volume();
     let of_plane = |((&[a, b], normal), share): ((&[[i64; 3]; 2], &[f64; 3]), f64)| {
-        let spacing = cell / normal.iter().map(|c| c * c).sum::<f64>().sqrt();
+        let spacing = cell / length(*normal);
         2.0 * PI * share * spacing * section_euler(mask, a, b)
     };
     planes.iter().zip(&normals).zip(shares).map(of_plane).sum()
@@ -113,9 +112,9 @@ fn total_mean_curvature(mask: &Mask, planes: &[[[i64; 3]; 2]]) -> f64 {
 /// equally long.
 fn section_euler(mask: &Mask, a: [i64; 3], b: [i64; 3]) -> f64 {
     let h = mask.grid().spacing().mm();
-    let length = |step: [i64; 3]| scaled(step, h).iter().map(|c| c * c).sum::<f64>();
+    let square = |step: [i64; 3]| dot(scaled(step, h), scaled(step, h));
     let back = b.map(|c| -c);
-    let (sum, difference) = (length(plus(a, b)), length(plus(a, back)));
+    let (sum, difference) = (square(plus(a, b)), square(plus(a, back)));
     let triangulated = |b: [i64; 3]| {
         // Corners x, x + a, x + a + b and x, x + b, x + a + b, with the diagonal a + b.
         let diagonal = plus(a, b);

@@ -23,29 +23,14 @@ pub(super) fn shares(directions: &[[f64; 3]]) -> Vec<f64> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::crofton::STEPS;
     use super::*;
+    use crate::surface::unit;
 
     /// Of the cubic lattice: Ohser and Mücklich (2000), 0.0458, 0.0370 and 0.0352 of each of 26 directions.
     #[test]
     fn of_the_cubic_lattice() {
-        let mut directions = Vec::new();
-        for v in [
-            [1, 0, 0],
-            [0, 1, 0],
-            [0, 0, 1],
-            [1, 1, 0],
-            [1, -1, 0],
-            [1, 0, 1],
-            [1, 0, -1],
-            [0, 1, 1],
-            [0, 1, -1],
-        ]
-        .into_iter()
-        .chain([[1, 1, 1], [1, 1, -1], [1, -1, 1], [-1, 1, 1]])
-        {
-            let length = f64::from(v.iter().map(|c| c * c).sum::<i32>()).sqrt();
-            directions.push(v.map(|c| f64::from(c) / length));
-        }
+        let directions = STEPS.map(|step| unit(step.map(|c| c as f64)));
         let found = shares(&directions);
         for (n, share) in found.iter().enumerate() {
             let expected = [0.045_778, 0.036_981, 0.035_196][usize::from(n >= 3) + usize::from(n >= 9)];

@@ -153,7 +153,10 @@ fn picture_files(
 }
 
 /// Writes a figure as PNG where its name says so, else as SVG.
-pub(super) fn write_figure(figure: &Figure, path: &Path, dpi_scale: f64) -> Result<(), InputError> {
+///
+/// # Errors
+/// [`InputError::Picture`], [`InputError::Write`].
+pub fn write_figure(figure: &Figure, path: &Path, dpi_scale: f64) -> Result<(), InputError> {
     let bytes = match MapFile::of_path(path) {
         Some(MapFile::Png) => figure.to_png(dpi_scale)?,
         _ => figure.svg().as_bytes().to_vec(),

@@ -22,7 +22,7 @@ pub use input::{
     ExplainTopology, InputError, InputOptions, InputRecords, LabelInput, measure_input, open_labels,
 };
 #[cfg(feature = "pictures")]
-pub use map_files::{MapFile, MapStyle, write_map_files};
+pub use map_files::{MapFile, MapStyle, write_figure, write_map_files};
 pub use objects::{InputObject, visit_objects};
 pub use output::{Failure, Output, Record, SCHEMA};
 pub use reference::{REFERENCE_SCHEMA, ReferenceRecord, reference_input};

@@ -52,7 +52,7 @@ impl Mesh {
     }
 
     /// How often each edge, named by its vertices in ascending order, is passed upward and downward.
-    fn edge_uses(&self) -> HashMap<(u32, u32), [u32; 2]> {
+    pub(crate) fn edge_uses(&self) -> HashMap<(u32, u32), [u32; 2]> {
         let mut uses = HashMap::new();
         for &[a, b, c] in &self.triangles {
             for (from, to) in [(a, b), (b, c), (c, a)] {

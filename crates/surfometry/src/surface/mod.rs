@@ -20,7 +20,7 @@ pub use distribution::{Distribution, Histogram, Moments, QUANTILES};
 pub use isosurface::{SurfaceSummary, extract};
 pub(crate) use isosurface::{SurfaceSums, cell_limits};
 pub use mesh::Mesh;
-pub(crate) use mesh::{cross, dot, minus, unit};
+pub(crate) use mesh::{cross, dot, length, minus, unit};
 pub use quantity::LocalQuantity;
 pub use surface_map::Surface;
 pub(crate) use surface_map::VertexExtras;

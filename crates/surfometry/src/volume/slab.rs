@@ -27,6 +27,25 @@ pub trait SlabReader {
     fn next_slab(&mut self) -> Result<Option<Slab>, Self::Error>;
 }
 
+/// The next slab of an image that is made slice by slice, of which `next` is the first; `slice` appends the voxels of one.
+pub(crate) fn made_slab(
+    dimensions: [usize; 3],
+    next: &mut usize,
+    mut slice: impl FnMut(usize, &mut Vec<u8>),
+) -> Option<Slab> {
+    let first = *next;
+    if first == dimensions[2] {
+        return None;
+    }
+    let last = (first + slices_a_slab(dimensions, 1)).min(dimensions[2]);
+    let mut voxels = Vec::with_capacity(dimensions[0] * dimensions[1] * (last - first));
+    for z in first..last {
+        slice(z, &mut voxels);
+    }
+    *next = last;
+    Some(Slab { slices: first..last, samples: Samples::U8(voxels) })
+}
+
 /// Slices a slab should hold so that it stays near 8 MiB: large enough to share its slices among threads, small against any image.
 pub(crate) fn slices_a_slab(dimensions: [usize; 3], bytes_a_voxel: usize) -> usize {
     let slice = dimensions[0] * dimensions[1] * bytes_a_voxel;

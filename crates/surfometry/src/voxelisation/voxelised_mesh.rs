@@ -2,7 +2,7 @@
 
 use super::crossings::{Crossing, crossings_of};
 use crate::surface::Mesh;
-use crate::volume::{Affine, Grid, Samples, Slab, SlabReader, Spacing, VolumeError, slices_a_slab};
+use crate::volume::{Affine, Grid, Slab, SlabReader, Spacing, VolumeError, made_slab};
 use std::collections::HashMap;
 use thiserror::Error;
 
@@ -132,42 +132,25 @@ impl SlabReader for VoxelisedMesh {
     }
 
     fn next_slab(&mut self) -> Result<Option<Slab>, VolumeError> {
-        let dimensions = self.grid.dimensions();
-        let first = self.next_slice;
-        if first == dimensions[2] {
-            return Ok(None);
-        }
-        let last = (first + slices_a_slab(dimensions, 1)).min(dimensions[2]);
-        let mut voxels = Vec::with_capacity(dimensions[0] * dimensions[1] * (last - first));
-        for z in first..last {
-            self.slice(z, &mut voxels);
-        }
-        self.next_slice = last;
-        Ok(Some(Slab { slices: first..last, samples: Samples::U8(voxels) }))
+        let mut next = self.next_slice;
+        let slab = made_slab(self.grid.dimensions(), &mut next, |z, voxels| self.slice(z, voxels));
+        self.next_slice = next;
+        Ok(slab)
     }
 }
 
 /// A surface has an inside where each edge is passed as often one way as the other; vertices count as one where they are at one place.
 fn check_closed(mesh: &Mesh) -> Result<(), VoxeliseError> {
-    let mut names: HashMap<[u64; 3], u32> = HashMap::new();
-    let name = |v: &[f64; 3], names: &mut HashMap<[u64; 3], u32>| {
-        let next = names.len() as u32;
+    let mut firsts: HashMap<[u64; 3], u32> = HashMap::new();
+    let mut first = |number: u32| {
         // Adding 0 makes -0 the same as 0.
-        *names.entry(v.map(|c| (c + 0.0).to_bits())).or_insert(next)
+        let place = mesh.vertices[number as usize].map(|c| (c + 0.0).to_bits());
+        *firsts.entry(place).or_insert(number)
     };
-    let named: Vec<u32> = mesh.vertices.iter().map(|v| name(v, &mut names)).collect();
-    let mut uses: HashMap<(u32, u32), (i32, u32)> = HashMap::new();
-    for &[a, b, c] in &mesh.triangles {
-        for (from, to) in [(a, b), (b, c), (c, a)] {
-            let (start, end) = (named[from as usize], named[to as usize]);
-            if start != end {
-                let edge = uses.entry((start.min(end), start.max(end))).or_insert((0, from));
-                edge.0 += if start < end { 1 } else { -1 };
-            }
-        }
-    }
-    let open = uses.values().filter(|(balance, _)| *balance != 0);
-    let Some(first) = open.clone().map(|(_, from)| *from).min() else { return Ok(()) };
-    let [x, y, z] = mesh.vertices[first as usize];
-    Err(VoxeliseError::Open { edges: open.count(), x, y, z })
+    let triangles = mesh.triangles.iter().map(|triangle| triangle.map(&mut first)).collect();
+    let uses = Mesh { vertices: Vec::new(), triangles }.edge_uses();
+    let open = || uses.iter().filter(|((a, b), [up, down])| a != b && up != down);
+    let Some(vertex) = open().map(|((a, _), _)| *a).min() else { return Ok(()) };
+    let [x, y, z] = mesh.vertices[vertex as usize];
+    Err(VoxeliseError::Open { edges: open().count(), x, y, z })
 }
