@@ -12,18 +12,20 @@ use super::{Shape, Truth, value_and_jet};
 #[derive(Debug, Clone, PartialEq)]
 pub struct Bone {
     parts: Vec<Part>,
+    /// What stays open however close the parts are: the vertebral canal.
+    canal: Option<Part>,
     /// Width over which parts blend, mm.
     blend: f64,
     /// Where the bone is cut flat, along z, mm.
     cut: Option<f64>,
 }
 
-/// Rounds the rim of a flat cut, mm.
+/// Rounds the rims of a flat cut and of the canal, mm.
 const RIM: f64 = 3.0;
 /// Spacing of the first lattice for integrals, mm.
-const STEP: f64 = 2.0;
-/// By how much V, A and M may change when the lattice is halved; they are then some hundred times better than that.
-const TOLERANCE: f64 = 1e-5;
+const STEP: f64 = 2.9;
+/// By how much V, A and M may change from one lattice to the next; they are then some thirty times better than that.
+const TOLERANCE: f64 = 1e-4;
 
 impl Bone {
     /// A right proximal femur, cut below the lesser trochanter as the paper's are: one component without handles.
@@ -38,7 +40,7 @@ impl Bone {
             Part::ellipsoid([5.0, -13.0, -22.0], vary.radii([9.0, 8.0, 13.0], 0.08)),
             Part::drum([-5.0, 0.0, -30.0], vary.radii([16.5, 15.0, 60.0], 0.05)),
         ];
-        Self { parts, blend: 7.0, cut: Some(-44.0 + vary.by(4.0)) }.scaled(size)
+        Self { parts, canal: None, blend: 7.0, cut: Some(-44.0 + vary.by(4.0)) }.scaled(size)
     }
 
     /// A fourth lumbar vertebra: one handle, the vertebral canal; `second_hole`: another one, in a transverse process, as two of the paper's have by contouring or by
@@ -63,18 +65,24 @@ impl Bone {
         if second_hole {
             parts.push(Part::ring([61.0 * process, -4.0, 4.0], 8.5, 3.2));
         }
-        Self { parts, blend: 5.0, cut: None }.scaled(0.86 * size)
+        // As long as any bone is high.
+        let canal = Part::ellipsoid([0.0, -4.0, 3.0], [12.0 * width, 9.5, 100.0]);
+        Self { parts, canal: Some(canal), blend: 5.0, cut: None }.scaled(0.88 * size)
     }
 
     fn scaled(self, size: f64) -> Self {
         let parts = self.parts.into_iter().map(|part| part.scaled(size)).collect();
-        Self { parts, blend: self.blend * size, cut: self.cut.map(|z| z * size) }
+        let canal = self.canal.map(|canal| canal.scaled(size));
+        Self { parts, canal, blend: self.blend * size, cut: self.cut.map(|z| z * size) }
     }
 
     fn implicit<T: Smooth>(&self, p: [T; 3]) -> T {
         let mut parts = self.parts.iter().map(|part| part.implicit(p));
         let first = parts.next().expect("a bone has parts");
-        let whole = parts.fold(first, |whole, part| smooth_minimum(whole, part, self.blend));
+        let mut whole = parts.fold(first, |whole, part| smooth_minimum(whole, part, self.blend));
+        if let Some(canal) = &self.canal {
+            whole = smooth_maximum(whole, canal.implicit(p) * -1.0, RIM);
+        }
         match self.cut {
             Some(z) => smooth_maximum(whole, p[2] * -1.0 + z, RIM),
             None => whole,

@@ -72,14 +72,14 @@ impl Phantom {
         PhantomSlabs { phantom: self, next_slice: 0 }
     }
 
-    fn slice(&self, z: usize, voxels: &mut Vec<u8>) {
-        let [nx, ny, _] = self.grid.dimensions();
+    fn slice(&self, z: usize, voxels: &mut [u8]) {
+        let [nx, ..] = self.grid.dimensions();
         let mut chance = Chance::new(z as u64);
         let [dx, dy] = [(); 2].map(|()| chance.about_zero(2.0 * self.jitter));
-        for (x, y) in (0..ny).flat_map(|y| (0..nx).map(move |x| (x, y))) {
-            let world = self.grid.affine().apply([x, y, z].map(|i| i as f64));
+        for (n, voxel) in voxels.iter_mut().enumerate() {
+            let world = self.grid.affine().apply([n % nx, n / nx, z].map(|i| i as f64));
             let world = [world[0] + dx, world[1] + dy, world[2]];
-            voxels.push(u8::from(self.shape.value(self.pose.to_shape(world)) < 0.0));
+            *voxel = u8::from(self.shape.value(self.pose.to_shape(world)) < 0.0);
         }
     }
 }
@@ -99,7 +99,7 @@ impl SlabReader for PhantomSlabs<'_> {
 
     fn next_slab(&mut self) -> Result<Option<Slab>, VolumeError> {
         let phantom = self.phantom;
-        let slice = |z: usize, voxels: &mut Vec<u8>| phantom.slice(z, voxels);
+        let slice = |z: usize, voxels: &mut [u8]| phantom.slice(z, voxels);
         Ok(made_slab(phantom.grid.dimensions(), &mut self.next_slice, slice))
     }
 }

@@ -1,5 +1,6 @@
 //! Inputs, from a name to records: what the command line and other front ends share.
 
+mod cohort_files;
 #[cfg(feature = "pictures")]
 mod file_ledger;
 mod file_names;
@@ -14,6 +15,7 @@ mod surface_record;
 #[cfg(feature = "pictures")]
 mod sweep_chart;
 
+pub use cohort_files::{CohortFile, write_cohort};
 #[cfg(feature = "pictures")]
 pub use file_ledger::FileLedger;
 pub use file_names::{distinct_parts, input_title, with_parts};

@@ -1,6 +1,7 @@
 //! Images arrive as slabs of whole slices, so that no reader ever has to hold one.
 
 use super::{Grid, Samples, VolumeError};
+use rayon::prelude::*;
 use std::ops::Range;
 
 /// Some consecutive z slices of an image.
@@ -27,21 +28,20 @@ pub trait SlabReader {
     fn next_slab(&mut self) -> Result<Option<Slab>, Self::Error>;
 }
 
-/// The next slab of an image that is made slice by slice, of which `next` is the first; `slice` appends the voxels of one.
+/// The next slab of an image that is made slice by slice, of which `next` is the first; `slice` fills one with its voxels, which are 0 before.
 pub(crate) fn made_slab(
     dimensions: [usize; 3],
     next: &mut usize,
-    mut slice: impl FnMut(usize, &mut Vec<u8>),
+    slice: impl Fn(usize, &mut [u8]) + Sync,
 ) -> Option<Slab> {
     let first = *next;
     if first == dimensions[2] {
         return None;
     }
     let last = (first + slices_a_slab(dimensions, 1)).min(dimensions[2]);
-    let mut voxels = Vec::with_capacity(dimensions[0] * dimensions[1] * (last - first));
-    for z in first..last {
-        slice(z, &mut voxels);
-    }
+    let size = dimensions[0] * dimensions[1];
+    let mut voxels = vec![0; size * (last - first)];
+    voxels.par_chunks_mut(size).zip(first..last).for_each(|(voxels, z)| slice(z, voxels));
     *next = last;
     Some(Slab { slices: first..last, samples: Samples::U8(voxels) })
 }

@@ -104,11 +104,8 @@ impl VoxelisedMesh {
         Ok(Self { grid, crossings, starts, next_slice: 0 })
     }
 
-    fn slice(&self, z: usize, voxels: &mut Vec<u8>) {
+    fn slice(&self, z: usize, voxels: &mut [u8]) {
         let [nx, ny, _] = self.grid.dimensions();
-        let start = voxels.len();
-        voxels.resize(start + nx * ny, 0);
-        let slice = &mut voxels[start..];
         for row in self.crossings[self.starts[z]..self.starts[z + 1]].chunk_by(|a, b| a.0 == b.0) {
             let y = row[0].0 - z * ny;
             let mut winding = 0;
@@ -117,7 +114,7 @@ impl VoxelisedMesh {
                 if winding != 0 {
                     // Centres from this crossing on, up to the next.
                     let (from, to) = (pair[0].1.x.ceil() as usize, pair[1].1.x.ceil() as usize);
-                    slice[y * nx + from..y * nx + to].fill(1);
+                    voxels[y * nx + from..y * nx + to].fill(1);
                 }
             }
         }
