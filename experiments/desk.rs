@@ -37,6 +37,12 @@ impl Desk {
         Ok(desk)
     }
 
+    /// Forgets what was done.
+    pub(crate) fn clear(&self) -> Result<()> {
+        fs::remove_dir_all(self.folder())?;
+        Ok(fs::create_dir_all(self.folder())?)
+    }
+
     /// Its folder of results.
     pub(crate) fn folder(&self) -> PathBuf {
         self.root.join(self.name)

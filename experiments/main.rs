@@ -79,7 +79,10 @@ fn main() -> Result<()> {
     for (number, experiment) in (1..).zip(&wanted) {
         let mut desk = Desk::new(&args.output, experiment.name)?;
         eprint!("{number}/{} {}", wanted.len(), experiment.name);
-        if desk.is_done() && !args.again {
+        if args.again {
+            desk.clear()?;
+        }
+        if desk.is_done() {
             eprintln!(": done before");
         } else {
             eprintln!();

@@ -5,7 +5,7 @@ pub(crate) struct Table(Vec<String>);
 
 impl Table {
     pub(crate) fn new(heading: &str) -> Self {
-        let columns = heading.split(" | ").count();
+        let columns = heading.split('|').count();
         Self(vec![format!("| {heading} |"), format!("|{}", "---|".repeat(columns))])
     }
 

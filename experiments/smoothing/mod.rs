@@ -22,7 +22,7 @@ pub(crate) const SUBJECT: [(&str, &str); 2] = [
     ),
     (
         "L4",
-        "phantom:vertebra?individual=5&spacing=0.672,0.672,1.0&rotate=4,-3,6&shift=0.2,0.1,0.3&jitter=0.15",
+        "phantom:vertebra?individual=23&spacing=0.672,0.672,1.0&rotate=4,-3,6&shift=0.2,0.1,0.3&jitter=0.15",
     ),
 ];
 /// One of a measurement's values.

@@ -72,7 +72,7 @@ fn coloured(object: &Object, name: &str, title: &str) -> Result<Vec<(String, sur
     LIMITS
         .into_iter()
         .map(|colours| {
-            let figure = surface_picture(object, title, colours, View::Oblique)?;
+            let figure = surface_picture(object, title, colours, View::Superior)?;
             Ok((format!("{name}-{}", colours.0.option()), figure))
         })
         .collect()

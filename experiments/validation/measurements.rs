@@ -44,8 +44,12 @@ fn read(path: &Path) -> Result<Vec<Row>> {
     Ok(reader.deserialize().collect::<Result<_, _>>()?)
 }
 
-/// Measures the cohort, bones in parallel, and keeps the table.
+/// Measures the cohort, bones in parallel, and keeps the table; reads it where it is there.
 pub(super) fn measure_cohort(desk: &Desk) -> Result<Vec<Row>> {
+    let table = desk.folder().join(FILE);
+    if table.exists() {
+        return read(&table);
+    }
     let cohort = desk.cohort()?;
     let bar = progress("bones measured", cohort.len());
     let measured: Result<Vec<Vec<Row>>> = cohort
@@ -58,7 +62,7 @@ pub(super) fn measure_cohort(desk: &Desk) -> Result<Vec<Row>> {
         .collect();
     bar.finish_and_clear();
     let rows: Vec<Row> = measured?.into_iter().flatten().collect();
-    let mut writer = csv::Writer::from_path(desk.folder().join(FILE))?;
+    let mut writer = csv::Writer::from_path(&table)?;
     rows.iter().try_for_each(|row| writer.serialize(row))?;
     writer.flush()?;
     Ok(rows)

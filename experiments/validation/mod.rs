@@ -86,7 +86,8 @@ fn run(desk: &mut Desk) -> Result<()> {
 
 fn against_standard(desk: &mut Desk, rows: &[Row], [method, title]: [&str; 2]) -> Result<()> {
     desk.say(&format!("**{title}**"));
-    let mut table = Table::new(" | | method | standard | slope (95 % CI) | R² | bias (95 % LoA) | bias | p");
+    let mut table =
+        Table::new("bone | measure | method | standard | slope (95 % CI) | R² | bias (95 % LoA) | bias | p");
     for kind in KINDS {
         for (measure, value) in MEASURES {
             let (a, line) = agreement(&pairs(rows, kind, [method, STANDARD], value))?;
@@ -125,7 +126,7 @@ fn against_standard(desk: &mut Desk, rows: &[Row], [method, title]: [&str; 2]) -
 fn paper_line(row: &PaperRow) -> String {
     let [low, high] = row.limits;
     format!(
-        " | *paper* | *{}* | *{}* | *{}* | *{:.3}* | *{} ({}, {})* | *{:+.2} %* | *{}*",
+        "| *paper* | *{}* | *{}* | *{}* | *{:.3}* | *{} ({}, {})* | *{:+.2} %* | *{}*",
         row.method_spread,
         row.standard_spread,
         row.slope,

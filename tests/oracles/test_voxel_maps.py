@@ -3,6 +3,7 @@
 import nibabel as nib
 import numpy as np
 import pytest
+import SimpleITK as sitk
 from conftest import curvatures, gaussian_derivatives, lumpy, measure, mirrored, oblique, save_mask, surfometry
 from scipy import ndimage
 
@@ -117,3 +118,29 @@ def test_one_quantity_keeps_the_name(tmp_path):
     surfometry("map", "phantom:ball?radius=6", "-o", tmp_path / "m.nii", "--voxels", "band")
     assert [path.name for path in tmp_path.iterdir()] == ["m.nii"]
     assert nib.load(tmp_path / "m.nii").header["descrip"].item() == b"band"
+
+
+def test_distances_are_scipys_and_itks(tmp_path):
+    """To the voxels' faces, by brute force on a refined lattice along the axes; and zero on boundary voxels, exactly as ITK's."""
+    spacing = (0.7, 1.0, 1.6)
+    mask = np.pad(lumpy((16, 14, 12), 3), 5).astype(bool)
+    path = tmp_path / "mask.nii"
+    nib.save(nib.Nifti1Image(mask.astype(np.uint8), np.diag([*spacing, 1])), path)
+
+    def phi(embedding):
+        file = tmp_path / f"{embedding}.nii.gz"
+        surfometry("map", path, "--embedding", embedding, "--thickness", 4, "--voxels", "phi", "-o", file)
+        return np.asarray(nib.load(file).dataobj)
+
+    image = sitk.GetImageFromArray(mask.T.astype(np.uint8))
+    image.SetSpacing(spacing)
+    itk = sitk.GetArrayFromImage(sitk.SignedMaurerDistanceMap(image, squaredDistance=False, useImageSpacing=True)).T
+    near = np.abs(itk) < 3
+    np.testing.assert_allclose(phi("distance-to-voxels")[near], itk[near], atol=1e-5)
+    # Cubes three times refined have a centre in the middle of each voxel's face, edge and corner, a third of a voxel from its faces.
+    fine = np.kron(mask, np.ones((3, 3, 3), bool))
+    to_faces = ndimage.distance_transform_edt(~fine, [h / 3 for h in spacing])[1::3, 1::3, 1::3]
+    outside = ~mask & (to_faces < 3)
+    # From centre to centre of small cubes it is more by up to half of one.
+    excess = to_faces[outside] - phi("distance")[outside]
+    assert excess.min() > 0 and excess.max() < np.linalg.norm(spacing) / 6 + 1e-6

@@ -33,6 +33,8 @@ pub(crate) enum EmbeddingOption {
     Corrected,
     /// Signed distance to the voxel faces: the baseline that the paper rejects
     Distance,
+    /// Signed distance that is zero on the boundary voxels, as ITK's: its surface lies half a voxel inside
+    DistanceToVoxels,
     /// The input is a field phi, negative inside
     Given,
 }
@@ -198,6 +200,7 @@ impl MeasureOptions {
             EmbeddingOption::Gaussian => EmbeddingKind::Gaussian,
             EmbeddingOption::Corrected => EmbeddingKind::Corrected,
             EmbeddingOption::Distance => EmbeddingKind::Distance,
+            EmbeddingOption::DistanceToVoxels => EmbeddingKind::DistanceToVoxels,
             EmbeddingOption::Given => EmbeddingKind::Given,
         });
         if let Some(sigma) = self.sigma {

@@ -111,6 +111,15 @@ fn crofton_of_any_spacing() {
     }
 }
 
+/// Without bias on planes of all directions, so on large curved shapes, at any spacing.
+#[test]
+fn lindblad_of_any_spacing() {
+    for (spacing, most) in [([1.0; 3], 0.4), ([0.7, 0.9, 1.4], 1.5)] {
+        let ([volume, area, _], [_, worst, _]) = errors("lindblad", spacing);
+        assert!(volume.abs() < 0.1 && area.abs() < most && worst < 1.5 * most, "{area} {worst}");
+    }
+}
+
 /// Twice scikit-image's `euler_number`, as `tests/oracles` shows of random masks; here of known shapes.
 #[test]
 fn euler_numbers() {

@@ -188,7 +188,7 @@ fn surface_name(embedding: EmbeddingKind) -> &'static str {
     match embedding {
         EmbeddingKind::Gaussian => "blurred",
         EmbeddingKind::Corrected => "corrected",
-        EmbeddingKind::Distance => "distance",
+        EmbeddingKind::Distance | EmbeddingKind::DistanceToVoxels => "distance",
         EmbeddingKind::Given => "given",
     }
 }

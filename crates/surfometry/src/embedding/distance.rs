@@ -14,16 +14,64 @@ const STENCIL_REACH: f64 = 3.0;
 /// centre-to-centre transforms jumps from -h to +h and loses most of the area). The values are quantised, so
 /// curvature from this field is noise and its Euler characteristic meaningless: that is the paper's point, and the
 /// reason to use [`super::GaussianEmbedding`] instead.
+///
+/// [`DistanceEmbedding::to_boundary_voxels`] is the other form that is in use.
 #[derive(Debug)]
 pub struct DistanceEmbedding<'a> {
     mask: &'a Mask,
     spacing: [f64; 3],
+    zero: Zero,
+}
+
+/// Where the distance is 0.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Zero {
+    Faces,
+    BoundaryVoxels,
 }
 
 impl<'a> DistanceEmbedding<'a> {
     /// The embedding of a mask.
     pub fn new(mask: &'a Mask) -> Self {
-        Self { mask, spacing: mask.grid().spacing().mm() }
+        Self { mask, spacing: mask.grid().spacing().mm(), zero: Zero::Faces }
+    }
+
+    /// The distance between voxel centres, 0 on the object's voxels that touch the background (26 neighbours), as ITK's `SignedMaurerDistanceMapImageFilter` has it by
+    /// default: its surface lies half a voxel inside the mask's.
+    pub fn to_boundary_voxels(mask: &'a Mask) -> Self {
+        Self { zero: Zero::BoundaryVoxels, ..Self::new(mask) }
+    }
+
+    /// Adds the distances of the voxels of a region, which must lie as far inside `padded` as they reach, to `phi`.
+    fn fill(&self, phi: &mut Block<f64>, padded: &IndexBox, reach: f64) {
+        let region = phi.region();
+        let all = |of: &dyn Fn([i64; 3]) -> bool, gap: f64| distances(of, padded, self.spacing, gap);
+        let inside = |index: [i64; 3]| self.mask.get(index);
+        match self.zero {
+            Zero::Faces => {
+                let to_object = all(&inside, HALF_VOXEL);
+                let to_background = all(&|index| !inside(index), HALF_VOXEL);
+                for (y, z) in region.rows() {
+                    let start = to_object.offset([region.lower[0], y, z]);
+                    let pairs = to_object.values()[start..].iter().zip(&to_background.values()[start..]);
+                    for (p, (&outside, &inside)) in phi.row_mut(y, z).iter_mut().zip(pairs) {
+                        *p = libm::sqrt(outside).min(reach) - libm::sqrt(inside).min(reach);
+                    }
+                }
+            }
+            Zero::BoundaryVoxels => {
+                let neighbours = |index: [i64; 3]| IndexBox::voxel(index).grown([1; 3]);
+                let boundary = |index| inside(index) && self.mask.uniform_in(&neighbours(index)).is_none();
+                let to_boundary = all(&boundary, 0.0);
+                for (y, z) in region.rows() {
+                    let values = &to_boundary.values()[to_boundary.offset([region.lower[0], y, z])..];
+                    for ((p, &square), x) in phi.row_mut(y, z).iter_mut().zip(values).zip(region.lower[0]..) {
+                        let distance = libm::sqrt(square).min(reach);
+                        *p = if inside([x, y, z]) { -distance } else { distance };
+                    }
+                }
+            }
+        }
     }
 
     /// Distance up to which values must be exact so that every stencil at a band voxel is.
@@ -48,16 +96,8 @@ impl Embedding for DistanceEmbedding<'_> {
     fn evaluate_in(&self, storage: Vec<f64>, region: &IndexBox, half_width: f64) -> Block<f64> {
         let reach = self.reach(half_width);
         let padded = region.grown(self.halo(half_width));
-        let to_object = distances(self.mask, &padded, self.spacing, true);
-        let to_background = distances(self.mask, &padded, self.spacing, false);
         let mut phi = Block::reusing(storage, *region, 0.0);
-        for (y, z) in region.rows() {
-            let start = to_object.offset([region.lower[0], y, z]);
-            let pairs = to_object.values()[start..].iter().zip(&to_background.values()[start..]);
-            for (p, (&outside, &inside)) in phi.row_mut(y, z).iter_mut().zip(pairs) {
-                *p = libm::sqrt(outside).min(reach) - libm::sqrt(inside).min(reach);
-            }
-        }
+        self.fill(&mut phi, &padded, reach);
         phi
     }
 
@@ -68,16 +108,19 @@ impl Embedding for DistanceEmbedding<'_> {
     }
 }
 
-/// Squared distance in mm^2 from every voxel centre of a box to the nearest voxel cube of the given phase inside
-/// that box; 0 in that phase, infinite where the box holds none of it.
+/// From a voxel's centre to its face, in voxels.
+const HALF_VOXEL: f64 = 0.5;
+
+/// Squared distance in mm^2 from every voxel centre of a box to the nearest voxel that is one `of` some inside that box, as far as `gap` voxels from its centre along each axis (its cube
+/// with 1/2, its centre with 0); 0 in those, infinite where the box holds none.
 ///
 /// The squared distance to a cube is a sum over axes of max(|n| - 1/2, 0)^2 h^2, so one pass along each axis
 /// does it.
-fn distances(mask: &Mask, region: &IndexBox, spacing: [f64; 3], phase: bool) -> Block<f64> {
+fn distances(of: &dyn Fn([i64; 3]) -> bool, region: &IndexBox, spacing: [f64; 3], gap: f64) -> Block<f64> {
     let mut squares = Block::filled(*region, f64::INFINITY);
     for (y, z) in region.rows() {
         for (x, value) in (region.lower[0]..).zip(squares.row_mut(y, z)) {
-            if mask.get([x, y, z]) == phase {
+            if of([x, y, z]) {
                 *value = 0.0;
             }
         }
@@ -91,7 +134,7 @@ fn distances(mask: &Mask, region: &IndexBox, spacing: [f64; 3], phase: bool) -> 
         for start in starts {
             let values = squares.values_mut();
             (0..length).for_each(|i| line[i] = values[start + i * stride]);
-            for (i, value) in lower_envelope(&line, spacing[axis]).into_iter().enumerate() {
+            for (i, value) in lower_envelope(&line, spacing[axis], gap).into_iter().enumerate() {
                 values[start + i * stride] = value;
             }
         }
@@ -99,19 +142,19 @@ fn distances(mask: &Mask, region: &IndexBox, spacing: [f64; 3], phase: bool) -> 
     squares
 }
 
-/// min over q of line\[q\] + max(|p - q| - 1/2, 0)^2 h^2 for every p.
+/// min over q of line\[q\] + max(|p - q| - gap, 0)^2 h^2 for every p.
 ///
 /// The cost is convex in p - q, so the best q never decreases with p: divide and conquer finds all of them in
 /// O(n log n) (the row minima of a Monge matrix).
-fn lower_envelope(line: &[f64], spacing: f64) -> Vec<f64> {
+fn lower_envelope(line: &[f64], spacing: f64, gap: f64) -> Vec<f64> {
     let sources: Vec<usize> = (0..line.len()).filter(|&q| line[q].is_finite()).collect();
     let mut best = vec![f64::INFINITY; line.len()];
     if sources.is_empty() {
         return best;
     }
     let cost = |p: usize, q: usize| {
-        let gap = (p.abs_diff(q) as f64 - 0.5).max(0.0) * spacing;
-        line[q] + gap * gap
+        let apart = (p.abs_diff(q) as f64 - gap).max(0.0) * spacing;
+        line[q] + apart * apart
     };
     let mut work = vec![(0, line.len(), 0, sources.len() - 1)];
     while let Some((from, to, first, last)) = work.pop() {

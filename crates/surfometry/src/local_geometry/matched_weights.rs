@@ -111,7 +111,7 @@ impl<const N: usize> Fit<N> {
 /// of solutions an unknown.
 ///
 /// Own code: a dozen unknowns, once an object, do not need the linear algebra crates that were looked at.
-fn solved(mut system: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
+pub(crate) fn solved(mut system: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
     let size = system.len();
     for column in 0..size {
         let largest = |&a: &usize, &b: &usize| system[a][column].abs().total_cmp(&system[b][column].abs());

@@ -81,6 +81,10 @@ impl Measurement {
             (Some(_), None) => {}
             (None, slope) => parameters.epsilon *= slope.ok_or(MeasureError::FlatField)?,
         }
+        let highest = field.values().highest();
+        if parameters.epsilon >= highest {
+            return Err(MeasureError::BandAboveField { epsilon: parameters.epsilon, highest });
+        }
         let delta = SmearedDelta::new(measurement.delta, parameters.epsilon, f64::INFINITY);
         let setup = Setup {
             measurement,

@@ -22,6 +22,8 @@ pub enum EmbeddingKind {
     Corrected,
     /// Signed distance to the voxel faces (the baseline that the paper rejects).
     Distance,
+    /// Signed distance that is 0 on the object's boundary voxels, as ITK's: half a voxel inside.
+    DistanceToVoxels,
     /// The input is the field.
     Given,
 }
@@ -30,6 +32,11 @@ impl EmbeddingKind {
     /// Whether the field is made by blurring.
     pub fn is_blur(self) -> bool {
         matches!(self, Self::Gaussian | Self::Corrected)
+    }
+
+    /// Whether the field is a distance to the mask.
+    pub(super) fn is_distance(self) -> bool {
+        matches!(self, Self::Distance | Self::DistanceToVoxels)
     }
 
     /// A flat edge after the blur of an embedding that has one.
@@ -113,6 +120,17 @@ pub enum MeasureError {
         "the field has no slope where it changes sign, so a thickness has no meaning; give --epsilon in the field's units"
     )]
     FlatField,
+    /// A band that a given field does not leave.
+    #[error(
+        "the band is too wide: epsilon is {epsilon:.4}, but the field is nowhere above {highest:.4}, so that all of the background \
+         would count; choose a smaller --thickness or --epsilon"
+    )]
+    BandAboveField {
+        /// eps.
+        epsilon: f64,
+        /// Largest phi.
+        highest: f64,
+    },
     /// The object or image itself.
     #[error(transparent)]
     Volume(#[from] VolumeError),

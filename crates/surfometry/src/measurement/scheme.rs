@@ -2,7 +2,7 @@
 
 use super::pass::{ObjectSums, Pass};
 use super::setup::Setup;
-use super::{Derivatives, MeasureError, Parameters};
+use super::{Derivatives, EmbeddingKind, MeasureError, Parameters};
 use crate::embedding::{
     DistanceEmbedding, Embedding, GaussianEmbedding, GaussianKernel, TRUNCATION, TRUNCATION_OF_BLUR,
 };
@@ -66,7 +66,11 @@ impl<'a> Scheme<'a> {
     pub(super) fn of_part(setup: &Setup, mask: &'a Mask) -> Self {
         let (parameters, spacing) = (&setup.parameters, setup.grid.spacing().mm());
         let Some(profile) = parameters.profile() else {
-            return Self::Distance(FiniteDifferences::new(DistanceEmbedding::new(mask), spacing));
+            let distance = match parameters.embedding {
+                EmbeddingKind::DistanceToVoxels => DistanceEmbedding::to_boundary_voxels(mask),
+                _ => DistanceEmbedding::new(mask),
+            };
+            return Self::Distance(FiniteDifferences::new(distance, spacing));
         };
         let embedding =
             GaussianEmbedding::of_profile(mask, &profile, setup.measurement.level, truncation_of(setup));

@@ -121,7 +121,7 @@ impl Setup {
         let clip = open.map(|open| open.part.summary(cell_volume, &open.boundary));
         let evidence = Evidence {
             spacing: self.grid.spacing(),
-            distance: self.parameters.embedding == EmbeddingKind::Distance,
+            distance: self.parameters.embedding.is_distance(),
             corrected: self.parameters.embedding == EmbeddingKind::Corrected,
             sigma: self.parameters.sigma_mm,
             thickness: self.parameters.thickness_mm,

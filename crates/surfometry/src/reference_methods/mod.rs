@@ -5,12 +5,14 @@
 mod crofton;
 mod dilation;
 mod directions;
+mod lindblad;
 mod odgaard_gundersen;
 mod triangulation;
 mod voxel_counting;
 
 pub use crofton::Crofton;
 pub use dilation::{area_derivative, structure_model_index};
+pub use lindblad::Lindblad;
 pub use odgaard_gundersen::OdgaardGundersen;
 pub use triangulation::Triangulation;
 pub use voxel_counting::VoxelCounting;
@@ -77,7 +79,7 @@ impl BoneValues {
 }
 
 /// All methods.
-pub const METHODS: [&dyn ReferenceMethod; 8] = [
+pub const METHODS: [&dyn ReferenceMethod; 9] = [
     &VoxelCounting,
     &OdgaardGundersen::Foreground26,
     &OdgaardGundersen::Foreground6,
@@ -86,4 +88,5 @@ pub const METHODS: [&dyn ReferenceMethod; 8] = [
     &Triangulation::SmoothedOneSided,
     &Crofton::Directions3,
     &Crofton::Directions13,
+    &Lindblad,
 ];

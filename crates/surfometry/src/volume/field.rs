@@ -93,6 +93,11 @@ impl FieldValues {
         self.len() == 0
     }
 
+    /// The largest value.
+    pub(crate) fn highest(&self) -> f64 {
+        (0..self.len()).map(|offset| self.get(offset)).fold(f64::NEG_INFINITY, f64::max)
+    }
+
     /// The n-th value in memory.
     pub fn get(&self, offset: usize) -> f64 {
         match self {
