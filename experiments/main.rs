@@ -106,3 +106,22 @@ fn main() -> Result<()> {
     }
     Ok(())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The quick ones; all of them are compared by `.ci/scheduled`.
+    #[test]
+    fn quick_experiments_give_the_expected_numbers() {
+        let folder = tempfile::tempdir().unwrap();
+        for experiment in [torus::EXPERIMENT, curvature_flow::EXPERIMENT] {
+            let mut desk = Desk::new(folder.path(), experiment.name).unwrap();
+            assert!(!desk.is_done());
+            (experiment.run)(&mut desk).unwrap();
+            desk.finish(experiment.title).unwrap();
+            assert!(desk.is_done());
+            assert_eq!(desk.differences().unwrap(), Vec::<String>::new());
+        }
+    }
+}

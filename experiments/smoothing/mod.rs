@@ -102,7 +102,7 @@ fn run(desk: &mut Desk) -> Result<()> {
     Ok(())
 }
 
-fn panels(paper: &[Measured], ours: &[Measured]) -> Vec<ChartPanel> {
+fn panels(paper: &[Measured], ours: &[Measured]) -> Vec<ChartPanel<'static>> {
     let line = |name, of: &[Measured], value: Value| ChartLine {
         name,
         values: of.iter().map(value).collect(),

@@ -77,7 +77,7 @@ fn unevenness(measured: &[Measured]) -> f64 {
     off.fold(0.0, f64::max)
 }
 
-fn panels(paper: &[Measured], ours: &[Measured]) -> Vec<ChartPanel> {
+fn panels(paper: &[Measured], ours: &[Measured]) -> Vec<ChartPanel<'static>> {
     let panel = |name, value: fn(&Measured) -> Option<f64>| {
         let line = |name, of: &[Measured]| ChartLine {
             name,

@@ -80,8 +80,7 @@ fn run(desk: &mut Desk) -> Result<()> {
     charts(desk, &rows)?;
     proportional_bias(desk, &rows)?;
     against_truth(desk, &rows);
-    claims(desk, &rows);
-    Ok(())
+    claims(desk, &rows)
 }
 
 fn against_standard(desk: &mut Desk, rows: &[Row], [method, title]: [&str; 2]) -> Result<()> {
@@ -238,28 +237,53 @@ fn against_truth(desk: &mut Desk, rows: &[Row]) {
     desk.say(&table.text());
 }
 
-/// What issue and paper ask, with what came out.
-fn claims(desk: &mut Desk, rows: &[Row]) {
+/// What is claimed, with what came out.
+fn claims(desk: &mut Desk, rows: &[Row]) -> Result<()> {
     let mut table = Table::new("claim | femurs | vertebrae");
-    let both = |of: &mut dyn FnMut(&str) -> String| KINDS.map(of).join(" | ");
+    let mut add = |claim: &str, of: &mut dyn FnMut(&str) -> Result<String>| -> Result<()> {
+        let cells = KINDS.map(of).into_iter().collect::<Result<Vec<_>>>()?;
+        table.row(&format!("{claim} | {}", cells.join(" | ")));
+        Ok(())
+    };
     let area: Value = MEASURES[1].1;
-    let above = both(&mut |kind| {
-        let distance = pairs(rows, kind, ["distance on the re-binarised mask", "paper"], area);
-        let count = distance.iter().filter(|(d, p)| d > p).count();
-        format!(
-            "{} of {}",
-            desk.number(format!("claim.{kind}.distance_area_above"), count as f64),
-            distance.len()
-        )
-    });
-    table.row(&format!("distance embedding's area above the proposed one | {above}"));
-    let within = both(&mut |kind| {
-        let worst = pairs(rows, kind, ["paper", STANDARD], area)
-            .iter()
-            .map(|(m, s)| 100.0 * (m / s - 1.0).abs())
-            .fold(0.0, f64::max);
-        format!("{:.2} %", desk.number(format!("claim.{kind}.worst_area_percent"), worst))
-    });
-    table.row(&format!("proposed area within 1.5 % of the standard: worst | {within}"));
+    add("distance embedding's area above the proposed one", &mut |kind| {
+        let pairs = pairs(rows, kind, ["distance on the re-binarised mask", "paper"], area);
+        let above = pairs.iter().filter(|(distance, proposed)| distance > proposed).count();
+        desk.number(format!("claim.{kind}.distance_area_above"), above as f64);
+        Ok(format!("{above} of {}", pairs.len()))
+    })?;
+    add("proposed area within 1.5 % of the standard: worst bone", &mut |kind| {
+        let off = pairs(rows, kind, ["paper", STANDARD], area)
+            .into_iter()
+            .map(|(m, s)| 100.0 * (m / s - 1.0).abs());
+        Ok(format!(
+            "{:.2} %",
+            desk.number(format!("claim.{kind}.worst_area_percent"), off.fold(0.0, f64::max))
+        ))
+    })?;
+    add("R² ≥ 0.999 of V and A, ≥ 0.99 of ⟨H⟩", &mut |kind| {
+        let squares = MEASURES
+            .map(|(_, value)| Ok(agreement(&pairs(rows, kind, ["paper", STANDARD], value))?.1.r_squared));
+        let squares: Vec<f64> = squares.into_iter().collect::<Result<_>>()?;
+        Ok(squares.iter().map(|r| format!("{r:.4}")).collect::<Vec<_>>().join(", "))
+    })?;
+    add("our defaults at the same sigma at least as good: bias of V, A, ⟨H⟩; R²", &mut |kind| {
+        let (mut bias, mut square) = (0, 0);
+        for (_, value) in MEASURES {
+            let of = |method| agreement(&pairs(rows, kind, [method, STANDARD], value));
+            let ((ours, our_line), (theirs, line)) = (of("defaults at the paper's sigma")?, of("paper")?);
+            bias += u8::from(ours.bland_altman.bias.value.abs() <= theirs.bland_altman.bias.value.abs());
+            square += u8::from(our_line.r_squared >= line.r_squared - 1e-5);
+        }
+        desk.number(format!("claim.{kind}.bias_at_least_as_good"), f64::from(bias));
+        desk.number(format!("claim.{kind}.r_squared_at_least_as_good"), f64::from(square));
+        Ok(format!("{bias} of 3; {square} of 3"))
+    })?;
     desk.say(&table.text());
+    desk.say(
+        "What does not agree: the sign of the small bias of V and of ⟨H⟩. In the paper the proposed V is 0.4 to 0.5 % *below* the standard, here 0.2 to 0.6 % above. IPL's triangulation is not known in \
+         detail; ours is of a mask blurred by 0.8 voxel, which takes 0.1 to 0.5 % of the volume itself, and tells ⟨H⟩ of the vertebrae 4 % too small against the exact bone (last table), so it is the standard that \
+         is off. The one square that is not as good is of the vertebrae's V, 0.99996 against 0.99998: our t follows the spacing, and the plain V carries 0.033 t² M, which compensation takes off. The distance embedding's ⟨H⟩ agrees less here (R² 0.67 and 0.83; 0.94 in the paper).",
+    );
+    Ok(())
 }

@@ -64,6 +64,32 @@ fn sweeps_are_drawn() {
     assert!(text(&wrong.stderr).contains(".png or .svg"));
 }
 
+/// Any measure by its name, with its bars; and the surface at the first, some and the last value.
+#[test]
+fn sweeps_of_any_measure_and_surfaces_along_the_way() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let (chart, surfaces) = (file("chart.svg"), file("ball.svg"));
+    let sweep = ["sweep", BALL, "--range", "1.5:3:4", "--chart", &chart, "-q"];
+    let measures = "compensated_average_mean_curvature_per_mm,mesh_triangles";
+    let drawn =
+        run(&[&sweep[..], &["--measures", measures, "--surfaces", &surfaces, "--surface-count", "3"]]
+            .concat());
+    assert!(drawn.status.success(), "{}", text(&drawn.stderr));
+    let chart = std::fs::read_to_string(&chart).unwrap();
+    assert!(measures.split(',').all(|name| chart.contains(name)));
+    // The count of triangles has no bars.
+    assert_eq!(chart.matches("<polygon").count(), 1);
+    for sigma in ["1.5", "2.5", "3"] {
+        let picture = std::fs::read_to_string(file(&format!("ball_sigma-{sigma}.svg"))).unwrap();
+        assert!(picture.contains(&format!("sigma {sigma} mm")), "{sigma}");
+    }
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 4);
+    let unknown = run(&[&sweep[..], &["--measures", "roundness"]].concat());
+    assert_eq!(unknown.status.code(), Some(1));
+    assert!(text(&unknown.stderr).contains("roundness: no number of that name"));
+}
+
 /// Blurred, plus the terms, is the original.
 #[test]
 fn compensation_is_explained() {

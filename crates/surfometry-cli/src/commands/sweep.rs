@@ -4,15 +4,17 @@ use super::{ALL_DONE, SOME_FAILED};
 use crate::inputs::expand;
 use crate::options::{MeasureOptions, OutputFormat, OutputOptions};
 use crate::output::{Layout, check_output, csv_text, deliver, digits, failures_text, json_text, say};
+use crate::picture_options::PictureOptions;
 use crate::progress::{progress_bar, said_failure};
 use anyhow::{Result, bail};
 use clap::ValueEnum;
 use std::path::{Path, PathBuf};
 use surfometry::Measurement;
 use surfometry::measurement::CurvatureScale;
+use surfometry::pictures::{PictureStyle, color_scale};
 use surfometry::runs::{
-    ExplainTopology, FileLedger, InputError, InputOptions, MapFile, Output, Record, SweepAxis,
-    distinct_parts, measure_input, with_parts, write_sweep_chart,
+    ExplainTopology, FileLedger, InputError, InputOptions, MapFile, MapStyle, Output, Record, SweepAxis,
+    distinct_parts, measure_input, visit_objects, with_parts, write_map_files, write_sweep_chart,
 };
 
 /// Measure the same objects over a range of sigma, thickness or level
@@ -37,6 +39,17 @@ pub(crate) struct Args {
     /// objects, `_NAME` and `_label-N` go before the ending
     #[arg(long, value_name = "FILE.png|.svg")]
     chart: Option<PathBuf>,
+    /// What the chart shows instead: names of columns of --format csv, such as average_mean_curvature_per_mm,compensated_volume_mm3
+    #[arg(long, value_delimiter = ',', value_name = "NAME", requires = "chart")]
+    measures: Vec<String>,
+    /// Pictures of the surface along the way, all in the colours of the first; the value, such as `_sigma-2`, goes before the ending
+    #[arg(long, value_name = "FILE.png|.svg")]
+    surfaces: Option<PathBuf>,
+    /// How many of them, evenly over the values
+    #[arg(long, default_value_t = 4, value_parser = clap::value_parser!(u32).range(1..=100))]
+    surface_count: u32,
+    #[command(flatten)]
+    pictures: PictureOptions,
     #[command(flatten)]
     results: OutputOptions,
     #[command(flatten)]
@@ -60,15 +73,15 @@ impl Swept {
     }
 
     fn of(self, record: &Record) -> Option<f64> {
-        (self.axis().value)(&record.measured.parameters)
+        (self.axis(false).value)(&record.measured.parameters)
     }
 
     /// The horizontal axis of a chart.
-    fn axis(self) -> SweepAxis {
+    fn axis(self, log: bool) -> SweepAxis {
         match self {
-            Self::Sigma => SweepAxis { name: "sigma (mm)", value: |p| p.sigma_mm },
-            Self::Thickness => SweepAxis { name: "thickness t (mm)", value: |p| Some(p.thickness_mm) },
-            Self::Level => SweepAxis { name: "level", value: |p| p.level },
+            Self::Sigma => SweepAxis { name: "sigma (mm)", value: |p| p.sigma_mm, log },
+            Self::Thickness => SweepAxis { name: "thickness t (mm)", value: |p| Some(p.thickness_mm), log },
+            Self::Level => SweepAxis { name: "level", value: |p| p.level, log },
         }
     }
 
@@ -126,8 +139,10 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
     };
     let inputs = expand(&args.inputs);
     check_output(args.results.path(), &inputs)?;
-    check_chart(args)?;
-    check_output(args.chart.as_deref(), &inputs)?;
+    for (path, what) in [(&args.chart, "chart"), (&args.surfaces, "pictures")] {
+        check_picture(args, path.as_deref(), what)?;
+        check_output(path.as_deref(), &inputs)?;
+    }
     let (mut ledger, mut all_drawn) = (FileLedger::new(&inputs), true);
     let values = args.range.values(args.log);
     let progress = progress_bar(inputs.len() * values.len(), quiet);
@@ -158,6 +173,13 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
                 all_drawn = false;
             }
         }
+        if let Some(path) = &args.surfaces {
+            let path = with_parts(path, part.as_slice());
+            if let Err(failure) = draw_surfaces(args, input, &values, &path, &mut ledger) {
+                progress.suspend(|| say(&format!("no pictures of {input}: {failure}")));
+                all_drawn = false;
+            }
+        }
         results.extend(of_input);
     }
     progress.finish_and_clear();
@@ -171,13 +193,48 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
     Ok(if output.failures.is_empty() && all_drawn { ALL_DONE } else { SOME_FAILED })
 }
 
-fn check_chart(args: &Args) -> Result<()> {
-    let Some(path) = &args.chart else { return Ok(()) };
+fn check_picture(args: &Args, path: Option<&Path>, what: &str) -> Result<()> {
+    let Some(path) = path else { return Ok(()) };
     if !matches!(MapFile::of_path(path), Some(MapFile::Png | MapFile::Svg)) {
-        bail!("{}: the chart's name must end in .png or .svg", path.display());
+        bail!("{}: the {what}'s name must end in .png or .svg", path.display());
     }
     if args.results.path() == Some(path) {
-        bail!("{}: named twice, for the results and for the chart", path.display());
+        bail!("{}: named twice, for the results and for the {what}", path.display());
+    }
+    Ok(())
+}
+
+/// Draws the surfaces of an input's objects at some of the values.
+fn draw_surfaces(
+    args: &Args,
+    input: &str,
+    values: &[f64],
+    path: &Path,
+    ledger: &mut FileLedger,
+) -> Result<()> {
+    let measurement = args.options.measurement()?;
+    let wanted = InputOptions {
+        explain_topology: ExplainTopology::Never,
+        ..args.options.inputs(CurvatureScale::AsMeasured)
+    };
+    let mut style = MapStyle {
+        picture: args.pictures.style(),
+        pictures: args.pictures.kinds(),
+        dpi_scale: args.pictures.dpi_scale(),
+        ..MapStyle::default()
+    };
+    let count = (args.surface_count as usize).min(values.len());
+    let name = args.over.to_possible_value().expect("none is skipped").get_name().to_owned();
+    for n in 0..count {
+        let value = values[(n * (values.len() - 1)).div_ceil((count - 1).max(1))];
+        let path = with_parts(path, &[format!("{name}-{}", digits(value))]);
+        visit_objects(input, &args.over.set(measurement, value), &wanted, |object| {
+            let PictureStyle { quantity, limit, .. } = style.picture;
+            let [_, most] = color_scale(object.surface(), quantity, limit).limits();
+            style.picture.limit = Some(most);
+            write_map_files(object, &path, &style, ledger)?;
+            Ok(())
+        })?;
     }
     Ok(())
 }
@@ -188,8 +245,14 @@ fn draw(args: &Args, records: &[Record], path: &Path, ledger: &mut FileLedger) -
     let several = objects.len() > 1;
     let mut draw = |records: &&[Record]| {
         let label = records[0].label.as_ref().filter(|_| several).map(|label| format!("label-{label}"));
-        write_sweep_chart(records, &args.over.axis(), args.log, &with_parts(path, label.as_slice()), ledger)
-            .err()
+        write_sweep_chart(
+            records,
+            &args.over.axis(args.log),
+            &args.measures,
+            &with_parts(path, label.as_slice()),
+            ledger,
+        )
+        .err()
     };
     objects.iter().filter_map(&mut draw).collect()
 }

@@ -19,9 +19,9 @@ const COLORS: [(&str, &str); 3] = [("#0072b2", "#cfe3f1"), ("#d55e00", "#f8dcc8"
 
 /// One quantity over the range of the parameter.
 #[derive(Debug, Clone, PartialEq)]
-pub struct ChartLine {
+pub struct ChartLine<'a> {
     /// For the legend; lines of the same name share their colour.
-    pub name: &'static str,
+    pub name: &'a str,
     /// A value for each of the parameter's; none where it could not be had.
     pub values: Vec<Option<f64>>,
     /// Half-widths of a band around them; may be empty.
@@ -30,11 +30,11 @@ pub struct ChartLine {
 
 /// Lines in common axes.
 #[derive(Debug, Clone, PartialEq)]
-pub struct ChartPanel {
+pub struct ChartPanel<'a> {
     /// Above it, with its unit.
-    pub name: &'static str,
+    pub name: &'a str,
     /// The lines.
-    pub lines: Vec<ChartLine>,
+    pub lines: Vec<ChartLine<'a>>,
 }
 
 /// Panels over the same parameter.
@@ -47,7 +47,7 @@ pub struct LineChart<'a> {
     /// Whether equal ratios are equally far apart.
     pub log: bool,
     /// The panels.
-    pub panels: &'a [ChartPanel],
+    pub panels: &'a [ChartPanel<'a>],
     /// Above all.
     pub title: &'a str,
     /// Below all.
@@ -82,7 +82,7 @@ impl LineChart<'_> {
     }
 
     /// The names of all lines, in the order in which they first occur.
-    fn names(&self) -> Vec<&'static str> {
+    fn names(&self) -> Vec<&str> {
         let mut names = Vec::new();
         for line in self.panels.iter().flat_map(|panel| &panel.lines) {
             if !names.contains(&line.name) {

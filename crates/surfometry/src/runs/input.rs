@@ -60,6 +60,9 @@ pub enum InputError {
         /// Why.
         source: io::Error,
     },
+    /// A measure that records do not have.
+    #[error("{0}: no number of that name was measured; names are those of the columns of --format csv")]
+    NoMeasure(String),
     /// An option that the input cannot take.
     #[error("{0}")]
     Unfit(&'static str),

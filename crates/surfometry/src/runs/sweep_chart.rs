@@ -1,9 +1,10 @@
 //! An object's numbers over a range of a parameter, as a picture.
 
 use super::map_files::write_figure;
-use super::{FileLedger, InputError, MapStyle, Record, input_title};
+use super::{FileLedger, InputError, MapStyle, Record, flatten, input_title};
 use crate::measurement::{CompensatedValues, Measured, Parameters};
 use crate::pictures::{ChartLine, ChartPanel, LineChart};
+use serde_json::{Map, Value};
 use std::path::Path;
 
 /// What is swept.
@@ -13,20 +14,22 @@ pub struct SweepAxis {
     pub name: &'static str,
     /// Its value in a record's parameters.
     pub value: fn(&Parameters) -> Option<f64>,
+    /// Whether equal ratios are equally far apart.
+    pub log: bool,
 }
 
 /// Half-width of a 95 % interval in standard errors.
 const INTERVAL: f64 = 1.96;
 
-/// Writes a chart of one object's records, in their order: V, A, M and chi, of the blurred and of the original object with its 95 % bars, against
-/// what was swept.
+/// Writes a chart of one object's records, in their order, against what was swept: of some measures, by their names in the CSV, with 95 % bars where they have standard errors; or, without
+/// any, V, A, M and chi, of the blurred and of the original object.
 ///
 /// # Errors
 /// [`InputError`].
 pub fn write_sweep_chart(
     records: &[Record],
     axis: &SweepAxis,
-    log: bool,
+    measures: &[String],
     path: &Path,
     ledger: &mut FileLedger,
 ) -> Result<(), InputError> {
@@ -34,12 +37,17 @@ pub fn write_sweep_chart(
     let first = records.first().filter(|_| values.len() == records.len());
     let first = first.ok_or(InputError::Unfit("nothing was measured that a chart could show"))?;
     ledger.claim(path)?;
+    let panels = if measures.is_empty() {
+        sweep_panels(&records.iter().map(|record| &record.measured).collect::<Vec<_>>())
+    } else {
+        measure_panels(records, measures)?
+    };
     let label = first.label.as_ref().map_or_else(String::new, |label| format!(", label {label}"));
     let chart = LineChart {
         along: axis.name,
         values: &values,
-        log,
-        panels: &sweep_panels(&records.iter().map(|record| &record.measured).collect::<Vec<_>>()),
+        log: axis.log,
+        panels: &panels,
         title: &format!("{}{label}", input_title(&first.input)),
         caption: "Blurred: of the smoothed object. Original: with the smoothing's shift undone; the band is its 95 % interval. Where a line stays level the \
                   choice does not matter; where it drifts or jumps, parts are lost or the grid shows.",
@@ -47,8 +55,32 @@ pub fn write_sweep_chart(
     write_figure(&chart.figure(), path, MapStyle::default().dpi_scale)
 }
 
+/// A panel for each measure.
+fn measure_panels<'a>(records: &[Record], measures: &'a [String]) -> Result<Vec<ChartPanel<'a>>, InputError> {
+    let rows: Vec<Map<String, Value>> = records
+        .iter()
+        .map(|record| serde_json::to_value(record).map(|value| flatten(&value)))
+        .collect::<Result<_, _>>()
+        .map_err(|_| InputError::Unfit("a record that is no table row"))?;
+    let column = |name: &str| rows.iter().map(|row| row.get(name).and_then(Value::as_f64)).collect();
+    let panel = |name: &'a String| {
+        let values: Vec<Option<f64>> = column(name);
+        if values.iter().all(Option::is_none) {
+            return Err(InputError::NoMeasure(name.clone()));
+        }
+        let standard_error = match name.strip_prefix("compensated_") {
+            Some(measure) => format!("compensated_standard_error_{measure}"),
+            None => format!("grid_noise_{name}"),
+        };
+        let errors: Vec<Option<f64>> = column(&standard_error);
+        let errors = errors.into_iter().map(|error| error.map(|e| INTERVAL * e)).collect();
+        Ok(ChartPanel { name, lines: vec![ChartLine { name: "value, 95 %", values, errors }] })
+    };
+    measures.iter().map(panel).collect()
+}
+
 /// V, A, M and chi of the same object, measured in several ways.
-pub(crate) fn sweep_panels(measured: &[&Measured]) -> Vec<ChartPanel> {
+pub(crate) fn sweep_panels(measured: &[&Measured]) -> Vec<ChartPanel<'static>> {
     let line = |name, value: &dyn Fn(&Measured) -> Option<f64>| ChartLine {
         name,
         values: measured.iter().map(|m| value(m)).collect(),
