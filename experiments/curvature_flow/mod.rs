@@ -36,11 +36,8 @@ fn run(desk: &mut Desk) -> Result<()> {
     let blur = desk.number("worst_from_exact_blur_percent", worst(&exact, 10.0));
     let line = |name, values: Vec<Option<f64>>| ChartLine { name, values, errors: Vec::new() };
     let some = |values: &[f64]| values.iter().copied().map(Some).collect::<Vec<_>>();
-    let lines = vec![
-        line("measured", radii.clone()),
-        line("curvature flow", some(&flow)),
-        line("blurred ball", some(&exact)),
-    ];
+    let lines =
+        vec![line("measured", radii.clone()), line("flow", some(&flow)), line("exact blur", some(&exact))];
     let chart = LineChart {
         along: "time sigma²/2 (mm²)",
         values: &times,

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 use surfometry::Measurement;
-use surfometry::measurement::Measured;
+use surfometry::measurement::{EmbeddingKind, Measured};
 use surfometry::reference_methods::{
     Crofton, OdgaardGundersen, ReferenceMethod, ReferenceValues, Triangulation, VoxelCounting,
 };
@@ -97,6 +97,8 @@ fn measure(bone: &Bone) -> Result<Vec<Row>> {
     add("defaults on the re-binarised mask", original(&Measurement::default().run(&again)?));
     add("distance", plain(&paper_distance().run(&mask)?));
     add("distance on the re-binarised mask", plain(&paper_distance().run(&again)?));
+    let itk = paper_distance().embedding(EmbeddingKind::DistanceToVoxels);
+    add("distance to boundary voxels on the re-binarised mask", plain(&itk.run(&again)?));
     for method in REFERENCES {
         add(method.name(), reference(method, &mask));
     }

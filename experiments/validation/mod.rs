@@ -28,11 +28,15 @@ const MEASURES: [(&str, Value); 3] =
 /// What stands for the paper's IPL: triangulation of the mask smoothed by 0.8 voxel.
 pub(crate) const STANDARD: &str = "triangulation-smoothed on the re-binarised mask";
 /// What is compared with it, and what it is called.
-const METHODS: [(&str, &str); 4] = [
+const METHODS: [(&str, &str); 5] = [
     ("distance on the re-binarised mask", "Distance transform, re-binarised mask"),
     ("paper", "Proposed method, paper's settings"),
     ("defaults at the paper's sigma", "Our defaults at the paper's sigma"),
     ("defaults on the re-binarised mask", "Our defaults, re-binarised mask, its original surface"),
+    (
+        "distance to boundary voxels on the re-binarised mask",
+        "Distance transform that is zero on boundary voxels (ITK's)",
+    ),
 ];
 /// What is compared with the exact bone.
 const AGAINST_TRUTH: [(&str, &str); 8] = [
