@@ -22,6 +22,8 @@ pub use labels::{LabelImage, LabelSummary};
 pub use mask::Mask;
 pub use samples::{Samples, Scalar, ScalarType};
 pub use selection::{LabelGroup, LabelSelection, ParseSelectionError};
+pub(crate) use slab::made_slab;
+#[cfg(feature = "io")]
+pub(crate) use slab::slices_a_slab;
 pub use slab::{Slab, SlabReader};
-pub(crate) use slab::{made_slab, slices_a_slab};
 pub use spacing::Spacing;
