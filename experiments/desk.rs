@@ -75,11 +75,11 @@ impl Desk {
 
     /// Adds a figure.
     pub(crate) fn figure(&mut self, name: &str, figure: &Figure, caption: &str) -> Result<()> {
-        self.figures(&[(name, figure)], caption)
+        self.figures(&[(name.to_owned(), figure.clone())], caption)
     }
 
     /// Adds figures that belong together, two beside each other.
-    pub(crate) fn figures(&mut self, figures: &[(&str, &Figure)], caption: &str) -> Result<()> {
+    pub(crate) fn figures(&mut self, figures: &[(String, Figure)], caption: &str) -> Result<()> {
         let mut tags = String::new();
         let width = if figures.len() == 1 { 80 } else { 48 };
         for (name, figure) in figures {
@@ -127,6 +127,13 @@ impl Desk {
         fs::copy(self.numbers_file(), self.expected_file())?;
         let images = Path::new(HERE).join(IMAGES);
         fs::create_dir_all(&images)?;
+        // Figures that are no longer made.
+        for entry in fs::read_dir(&images)? {
+            let entry = entry?;
+            if entry.file_name().to_string_lossy().starts_with(&format!("{}-", self.name)) {
+                fs::remove_file(entry.path())?;
+            }
+        }
         for entry in fs::read_dir(self.folder())? {
             let path = entry?.path();
             if path.extension().is_some_and(|ending| ending == "png") {

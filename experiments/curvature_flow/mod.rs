@@ -56,15 +56,12 @@ fn run(desk: &mut Desk) -> Result<()> {
     for sigma in [1.5, 4.0] {
         let object = Measurement::default().sigma_mm(sigma).prepare(&bone)?;
         let title = format!("sigma {sigma} mm");
-        figures.push(surface_picture(
-            &object,
-            &title,
-            (LocalQuantity::MeanCurvature, Some(0.2)),
-            View::Oblique,
-        )?);
+        let figure =
+            surface_picture(&object, &title, (LocalQuantity::MeanCurvature, Some(0.2)), View::Oblique)?;
+        figures.push((format!("sigma-{sigma}"), figure));
     }
     desk.figures(
-        &[("small", &figures[0]), ("large", &figures[1])],
+        &figures,
         "What is convex shrinks, what is hollow fills: a vertebra after blurs of 1.5 and 4 mm, coloured by H.",
     )
 }

@@ -22,7 +22,7 @@ fn run(desk: &mut Desk) -> Result<()> {
          few degrees, slices shifted by 0.15 mm against each other as hand-drawn contours are, and two vertebrae with a second hole. Their exact integrals are known. They are not anatomy: sizes, \
          curvatures and thicknesses are those of bones, fine detail is missing.",
     );
-    let mut table = Table::new("| V, ours (mm³) | V, paper (mm³)");
+    let mut table = Table::new("bones | V, ours (mm³) | V, paper (mm³)");
     for (kind, (mean, deviation)) in KINDS.into_iter().zip(PAPER) {
         let volumes: Vec<f64> = cohort.iter().filter(|b| b.kind() == kind).map(|b| b.truth.volume).collect();
         let count = volumes.len() as f64;
@@ -41,9 +41,8 @@ fn run(desk: &mut Desk) -> Result<()> {
         let slices = picture(PictureKind::Slices, &object, &Surface::default(), &style)?;
         let shown = (LocalQuantity::MeanCurvature, Some(0.2));
         let surface = surface_picture(&object, &median.name, shown, View::Oblique)?;
-        let names = [format!("{kind}-slices"), format!("{kind}-surface")];
         desk.figures(
-            &[(&names[0], &slices), (&names[1], &surface)],
+            &[(format!("{kind}-slices"), slices), (format!("{kind}-surface"), surface)],
             &format!("{kind} of median volume: mask and embedding in three slices, and the surface."),
         )?;
     }

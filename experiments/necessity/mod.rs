@@ -23,7 +23,7 @@ fn run(desk: &mut Desk) -> Result<()> {
         "One vertebra with the paper's spacing, 0.639 and 0.625 mm; distance transform against a blur of 1 mm. The paper finds curvature from the distance transform severely quantised; so is \
          ours, and the standard deviation of K over the vertices, which the exact bone's smoothness bounds, says by how much.",
     );
-    let mut table = Table::new("| sd of H (1/mm) | sd of K (1/mm²) | χ");
+    let mut table = Table::new("embedding | sd of H (1/mm) | sd of K (1/mm²) | χ");
     for (name, title, measurement) in [
         ("distance", "Distance transform", paper_distance()),
         ("blur", "Blur, sigma 1 mm", Measurement::paper().sigma_mm(1.0)),
@@ -59,8 +59,7 @@ fn pictures(desk: &mut Desk, object: &Object, surface: &Surface, [name, title]: 
             figures.push((format!("{name}-{}-{}", kind.option(), quantity.option()), figure));
         }
     }
-    let refs: Vec<(&str, &_)> = figures.iter().map(|(name, figure)| (name.as_str(), figure)).collect();
-    desk.figures(&refs, &format!("{title}: H and K on the surface, and their distributions."))?;
+    desk.figures(&figures, &format!("{title}: H and K on the surface, and their distributions."))?;
     let style = PictureStyle { title: title.to_owned(), ..PictureStyle::default() };
     let slices = picture(PictureKind::Slices, object, surface, &style)?;
     desk.figure(&format!("{name}-slices"), &slices, &format!("{title}: the embedding in slices."))

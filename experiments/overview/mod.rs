@@ -44,9 +44,8 @@ fn run(desk: &mut Desk) -> Result<()> {
                 figures.push((format!("{kind}-{}-{}", what.option(), quantity.option()), figure));
             }
         }
-        let refs: Vec<(&str, &_)> = figures.iter().map(|(name, figure)| (name.as_str(), figure)).collect();
         desk.figures(
-            &refs,
+            &figures,
             &format!("{kind} of median ⟨H⟩: H and K on its surface, and their distributions."),
         )?;
     }

@@ -39,7 +39,7 @@ fn run(desk: &mut Desk) -> Result<()> {
     );
     let sigmas: Vec<f64> = (0..STEPS).map(|n| 1.0 + 4.0 * n as f64 / (STEPS - 1) as f64).collect();
     let mut table =
-        Table::new("| exact | paper, σ = 2 | paper, σ = 5 | original from σ = 2 | original from σ = 5");
+        Table::new("bone | exact | paper, σ = 2 | paper, σ = 5 | original from σ = 2 | original from σ = 5");
     for (kind, spec) in SUBJECT {
         let phantom = Phantom::from_spec(spec)?;
         let mask = phantom_mask(spec)?;
@@ -95,8 +95,7 @@ fn run(desk: &mut Desk) -> Result<()> {
                 surface_picture(&object, &title, (LocalQuantity::MeanCurvature, Some(0.2)), View::Oblique)?;
             figures.push((format!("{kind}-sigma-{sigma}"), figure));
         }
-        let refs: Vec<(&str, &_)> = figures.iter().map(|(name, figure)| (name.as_str(), figure)).collect();
-        desk.figures(&refs, &format!("{kind}: its surface along the way, coloured by H."))?;
+        desk.figures(&figures, &format!("{kind}: its surface along the way, coloured by H."))?;
     }
     desk.say(&table.text());
     Ok(())

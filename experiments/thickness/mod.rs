@@ -102,8 +102,7 @@ fn responses(desk: &mut Desk) -> Result<()> {
         let object = Measurement::paper().sigma_mm(2.5).thickness_mm(t).prepare(&mask)?;
         figures.push((format!("t-{t}"), response(&object, t)?));
     }
-    let refs: Vec<(&str, &_)> = figures.iter().map(|(name, figure)| (name.as_str(), figure)).collect();
-    desk.figures(&refs, "Mask, Heaviside (top) and delta (bottom), each of them over its largest value, in a slice through the pedicles.")
+    desk.figures(&figures, "Mask, Heaviside (top) and delta (bottom), each of them over its largest value, in a slice through the pedicles.")
 }
 
 fn response(object: &Object, t: f64) -> Result<Figure> {

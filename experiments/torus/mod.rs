@@ -28,7 +28,7 @@ fn run(desk: &mut Desk) -> Result<()> {
         ("paper", "Blur, paper's settings", Measurement::paper()),
         ("defaults", "Blur, our defaults", Measurement::default().sigma_mm(2.0)),
     ];
-    let mut table = Table::new("| V | A | \u{27e8}H\u{27e9} | χ | rms error of H | of K");
+    let mut table = Table::new("method | V | A | \u{27e8}H\u{27e9} | χ | rms error of H | of K");
     let mut pictures = Vec::new();
     for (name, title, measurement) in methods {
         let object = measurement.prepare(&mask)?;
@@ -61,9 +61,8 @@ fn run(desk: &mut Desk) -> Result<()> {
          compensation gives back (see the validation).",
     );
     desk.say(&table.text());
-    let refs: Vec<(&str, &_)> = pictures.iter().map(|(name, figure)| (name.as_str(), figure)).collect();
     desk.figures(
-        &refs,
+        &pictures,
         "Mean and Gaussian curvature from the distance transform and from the blur (sigma 2 mm).",
     )
 }

@@ -175,8 +175,7 @@ fn charts(desk: &mut Desk, rows: &[Row]) -> Result<()> {
                 AgreementChart { method: &method, standard: "smoothed triangulation", panels: &panels };
             figures.push((format!("{}-{kind}", method_file(title)), chart.figure()));
         }
-        let refs: Vec<(&str, &_)> = figures.iter().map(|(name, figure)| (name.as_str(), figure)).collect();
-        desk.figures(&refs, &format!("{title}: regression and Bland-Altman plots, as the paper's."))?;
+        desk.figures(&figures, &format!("{title}: regression and Bland-Altman plots, as the paper's."))?;
     }
     Ok(())
 }

@@ -3,15 +3,20 @@
 /// Points of a sphere that shares are counted on.
 const POINTS: usize = 100_000;
 
+/// Evenly spread directions of lines, which have no sense: half of a Fibonacci sphere.
+pub(super) fn half_sphere(count: usize) -> impl Iterator<Item = [f64; 3]> {
+    let golden = std::f64::consts::PI * (3.0 - 5f64.sqrt());
+    (0..count).map(move |n| {
+        let z = (n as f64 + 0.5) / count as f64;
+        let (radius, angle) = ((1.0 - z * z).sqrt(), golden * n as f64);
+        [radius * libm::cos(angle), radius * libm::sin(angle), z]
+    })
+}
+
 /// Shares of the sphere, by which of the lines along unit vectors is nearest: they add up to 1. To about 1e-4.
 pub(super) fn shares(directions: &[[f64; 3]]) -> Vec<f64> {
-    let golden = std::f64::consts::PI * (3.0 - 5f64.sqrt());
     let mut counts = vec![0.0; directions.len()];
-    for n in 0..POINTS {
-        // Half of a Fibonacci sphere: lines have no sense.
-        let z = (n as f64 + 0.5) / POINTS as f64;
-        let (radius, angle) = ((1.0 - z * z).sqrt(), golden * n as f64);
-        let point = [radius * libm::cos(angle), radius * libm::sin(angle), z];
+    for point in half_sphere(POINTS) {
         let along = |d: &[f64; 3]| (0..3).map(|a| d[a] * point[a]).sum::<f64>().abs();
         let nearest = (0..directions.len())
             .max_by(|&a, &b| along(&directions[a]).total_cmp(&along(&directions[b])))

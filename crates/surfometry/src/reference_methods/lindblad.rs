@@ -1,5 +1,6 @@
 //! Weights of local configurations (Lindblad 2005).
 
+use super::directions::half_sphere;
 use super::{ReferenceMethod, ReferenceValues};
 use crate::local_geometry::solved;
 use crate::surface::dot;
@@ -82,7 +83,8 @@ const FACES: [usize; 6] = [0x0f, 0xf0, 0x33, 0xcc, 0x55, 0xaa];
 fn weights(h: [f64; 3]) -> [f64; 256] {
     let classes = classes();
     let mut shown: Vec<usize> = Vec::new();
-    let planes: Vec<Vec<(usize, f64)>> = normals().map(|normal| frequencies(normal, h)).collect();
+    let planes: Vec<Vec<(usize, f64)>> =
+        half_sphere(DIRECTIONS).map(|normal| frequencies(normal, h)).collect();
     let mut chosen: Vec<f64> = Vec::new();
     for &(configuration, _) in planes.iter().flatten() {
         let class = classes[configuration];
@@ -121,16 +123,6 @@ fn weights(h: [f64; 3]) -> [f64; 256] {
         _ => of_shown(configuration).unwrap_or_else(|| {
             pieces(configuration).into_iter().map(|piece| of_shown(piece).unwrap_or(fitted[0])).sum()
         }),
-    })
-}
-
-/// Half of a Fibonacci sphere.
-fn normals() -> impl Iterator<Item = [f64; 3]> {
-    let golden = std::f64::consts::PI * (3.0 - 5f64.sqrt());
-    (0..DIRECTIONS).map(move |n| {
-        let z = (n as f64 + 0.5) / DIRECTIONS as f64;
-        let (radius, angle) = ((1.0 - z * z).sqrt(), golden * n as f64);
-        [radius * libm::cos(angle), radius * libm::sin(angle), z]
     })
 }
 
@@ -210,7 +202,7 @@ mod tests {
     fn planes_of_any_direction() {
         for h in [[1.0; 3], [0.7, 0.7, 1.4]] {
             let weights = weights(h);
-            let areas: Vec<f64> = normals()
+            let areas: Vec<f64> = half_sphere(DIRECTIONS)
                 .map(|normal| frequencies(normal, h).into_iter().map(|(c, f)| weights[c] * f).sum())
                 .collect();
             let mean = areas.iter().sum::<f64>() / areas.len() as f64;
