@@ -266,11 +266,11 @@ fn choices_without_compensation() {
 #[test]
 fn fields_with_flat_spots() {
     let grid = Grid::axis_aligned([24; 3], [1.0; 3]).unwrap();
-    // A plateau of exactly zero gradient inside the band.
+    // A plateau of exactly zero gradient inside the band and the object. (One outside is refused: all of the background would count.)
     let value = |[x, y, z]: [usize; 3]| {
         let d =
             ((x as f64 - 11.5).powi(2) + (y as f64 - 11.5).powi(2) + (z as f64 - 11.5).powi(2)).sqrt() - 8.0;
-        if d > 1.0 { 1.0 } else { d }
+        if d < -1.0 { -1.0 } else { d }
     };
     let values = (0..grid.voxel_count()).map(|o| value(grid.index_of(o))).collect();
     let field = FieldImage::new(grid, FieldValues::F64(values)).unwrap();
