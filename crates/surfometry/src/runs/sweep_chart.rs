@@ -18,6 +18,10 @@ pub struct SweepAxis {
     pub log: bool,
 }
 
+/// What lines and bands are: of the chart without a choice, and of chosen measures.
+const WHOLE: &str = "Blurred: of the smoothed object. Original: with the smoothing's shift undone; the band is its 95 % interval.";
+const CHOSEN: &str = "The band is the 95 % interval, of compensated measures; of others it is 1.96 standard deviations over sub-voxel shifts.";
+
 /// Half-width of a 95 % interval in standard errors.
 const INTERVAL: f64 = 1.96;
 
@@ -37,10 +41,10 @@ pub fn write_sweep_chart(
     let first = records.first().filter(|_| values.len() == records.len());
     let first = first.ok_or(InputError::Unfit("nothing was measured that a chart could show"))?;
     ledger.claim(path)?;
-    let panels = if measures.is_empty() {
-        sweep_panels(&records.iter().map(|record| &record.measured).collect::<Vec<_>>())
+    let (panels, what) = if measures.is_empty() {
+        (sweep_panels(&records.iter().map(|record| &record.measured).collect::<Vec<_>>()), WHOLE)
     } else {
-        measure_panels(records, measures)?
+        (measure_panels(records, measures)?, CHOSEN)
     };
     let label = first.label.as_ref().map_or_else(String::new, |label| format!(", label {label}"));
     let chart = LineChart {
@@ -49,8 +53,9 @@ pub fn write_sweep_chart(
         log: axis.log,
         panels: &panels,
         title: &format!("{}{label}", input_title(&first.input)),
-        caption: "Blurred: of the smoothed object. Original: with the smoothing's shift undone; the band is its 95 % interval. Where a line stays level the \
-                  choice does not matter; where it drifts or jumps, parts are lost or the grid shows.",
+        caption: &format!(
+            "{what} Where a line stays level the choice does not matter; where it drifts or jumps, parts are lost or the grid shows."
+        ),
     };
     write_figure(&chart.figure(), path, MapStyle::default().dpi_scale)
 }
