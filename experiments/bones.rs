@@ -32,15 +32,10 @@ impl Bone {
         Ok(read_labels(&self.path)?.mask(1))
     }
 
-    /// As tables name it.
+    /// One of [`KINDS`].
     pub(crate) fn kind(&self) -> &'static str {
-        kind_of(&self.name)
+        if self.name.starts_with("femur") { "Femur" } else { "L4" }
     }
-}
-
-/// Femur or L4, from a bone's name.
-pub(crate) fn kind_of(name: &str) -> &'static str {
-    if name.starts_with("femur") { "Femur" } else { "L4" }
 }
 
 /// Both kinds.

@@ -13,6 +13,7 @@ mod necessity;
 mod overview;
 mod second_hole;
 mod smoothing;
+mod sweeps;
 mod table;
 mod thickness;
 mod torus;

@@ -34,10 +34,12 @@ fn run(desk: &mut Desk) -> Result<()> {
     let small = desk.number("worst_from_flow_percent.sigma_to_4", worst(&flow, 4.0));
     let large = desk.number("worst_from_flow_percent.sigma_to_9", worst(&flow, 10.0));
     let blur = desk.number("worst_from_exact_blur_percent", worst(&exact, 10.0));
-    let line = |name, values: Vec<Option<f64>>| ChartLine { name, values, errors: Vec::new() };
     let some = |values: &[f64]| values.iter().copied().map(Some).collect::<Vec<_>>();
-    let lines =
-        vec![line("measured", radii.clone()), line("flow", some(&flow)), line("exact blur", some(&exact))];
+    let lines = vec![
+        ChartLine::new("measured", radii.clone()),
+        ChartLine::new("flow", some(&flow)),
+        ChartLine::new("exact blur", some(&exact)),
+    ];
     let chart = LineChart {
         along: "time sigma²/2 (mm²)",
         values: &times,

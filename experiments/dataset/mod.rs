@@ -7,6 +7,7 @@ use crate::table::Table;
 use anyhow::Result;
 use surfometry::Measurement;
 use surfometry::pictures::{PictureKind, PictureStyle, View, picture};
+use surfometry::statistics::Spread;
 use surfometry::surface::{LocalQuantity, Surface};
 
 pub(crate) const EXPERIMENT: Experiment = Experiment { name: "dataset", title: "The data", run };
@@ -25,10 +26,9 @@ fn run(desk: &mut Desk) -> Result<()> {
     let mut table = Table::new("bones | V, ours (mm³) | V, paper (mm³)");
     for (kind, (mean, deviation)) in KINDS.into_iter().zip(PAPER) {
         let volumes: Vec<f64> = cohort.iter().filter(|b| b.kind() == kind).map(|b| b.truth.volume).collect();
-        let count = volumes.len() as f64;
-        let our_mean = desk.number(format!("{kind}.volume_mean"), volumes.iter().sum::<f64>() / count);
-        let square: f64 = volumes.iter().map(|v| (v - our_mean).powi(2)).sum();
-        let ours = desk.number(format!("{kind}.volume_deviation"), (square / (count - 1.0)).sqrt());
+        let spread = Spread::of(&volumes);
+        let our_mean = desk.number(format!("{kind}.volume_mean"), spread.mean);
+        let ours = desk.number(format!("{kind}.volume_deviation"), spread.deviation);
         table.row(&format!("{kind} | {our_mean:.0} ± {ours:.0} | {mean:.0} ± {deviation:.0}"));
     }
     desk.say(&table.text());

@@ -4,7 +4,7 @@ use crate::Experiment;
 use crate::bones::KINDS;
 use crate::desk::Desk;
 use crate::table::Table;
-use crate::validation::{Row, pairs, read_rows};
+use crate::validation::{Row, pairs, read_rows, values};
 use anyhow::Result;
 use surfometry::pictures::EulerHistogram;
 use surfometry::statistics::{ConfusionMatrix, EulerRounding};
@@ -43,9 +43,7 @@ fn run(desk: &mut Desk) -> Result<()> {
         let pairs = pairs(&rows, kind, ["paper", STANDARD], |r: &Row| r.euler_characteristic);
         desk.say(&matrix(kind, &ConfusionMatrix::new(&pairs, EulerRounding::Integer)));
     }
-    let values = |kind: &str, method: &str| -> Vec<f64> {
-        rows.iter().filter(|r| r.kind == kind && r.method == method).map(|r| r.euler_characteristic).collect()
-    };
+    let values = |kind, method| values(&rows, kind, method, |r| r.euler_characteristic);
     let mut nonsense = Vec::new();
     for kind in KINDS {
         let distance = values(kind, "distance on the re-binarised mask");

@@ -39,11 +39,8 @@ fn run(desk: &mut Desk) -> Result<()> {
         Table::new(&format!("rms error of H, K in units of 1/R, 1/R² | {columns} | order of H, of K"));
     let mut panels = Vec::new();
     for (name, of) in [("rms error of H (%)", h), ("rms error of K (%)", k)] {
-        let lines = SHAPES.map(|shape| ChartLine {
-            name: shape,
-            values: RESOLUTIONS.iter().map(|&r| Some(error(shape, r, of))).collect(),
-            errors: Vec::new(),
-        });
+        let values = |shape| RESOLUTIONS.iter().map(|&r| Some(error(shape, r, of))).collect();
+        let lines = SHAPES.map(|shape| ChartLine::new(shape, values(shape)));
         panels.push(ChartPanel { name, lines: lines.to_vec() });
     }
     for shape in SHAPES {

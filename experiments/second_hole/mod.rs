@@ -42,14 +42,13 @@ fn run(desk: &mut Desk) -> Result<()> {
     }
     let lost = mesh.iter().position(|chi| *chi != Some(-2.0)).map_or(f64::NAN, |n| sigmas[n]);
     desk.number("vertebra_13.sigma_where_the_hole_is_lost", lost);
-    let line = |name, values| ChartLine { name, values, errors: Vec::new() };
     let chart = LineChart {
         along: "sigma (mm)",
         values: &sigmas,
         log: false,
         panels: &[ChartPanel {
             name: "Euler characteristic",
-            lines: vec![line("band", band), line("mesh", mesh)],
+            lines: vec![ChartLine::new("band", band), ChartLine::new("mesh", mesh)],
         }],
         title: "A hole under blur",
         caption: "Band: Gauss and Bonnet over t; mesh: V - E + F of the level set.",
@@ -61,7 +60,7 @@ fn run(desk: &mut Desk) -> Result<()> {
     )
 }
 
-/// The surface, red around the narrowest hole outside of the canal: where the vertices of a transverse process have H < 0 farthest to a side.
+/// The surface, red around the second hole.
 fn highlighted(bone: &Bone, surface: &Surface) -> Result<surfometry::pictures::Figure> {
     let hole = inner_rim(surface).context("a second hole has an inner rim")?;
     let values: Vec<f64> = surface

@@ -1,34 +1,19 @@
 //! "Structural changes of the proposed embedding technique": V, A, mean H and chi over sigma 1 to 5 mm in 100 steps, t 1.5 mm, and surfaces along the way.
 
 use crate::Experiment;
-use crate::bones::{phantom_mask, progress, surface_picture};
+use crate::bones::surface_picture;
 use crate::desk::Desk;
+use crate::sweeps::{STEPS, SUBJECT, Swept, Value, range};
 use crate::table::Table;
 use anyhow::Result;
 use surfometry::Measurement;
-use surfometry::measurement::Measured;
 use surfometry::phantoms::Phantom;
-use surfometry::pictures::{ChartLine, ChartPanel, LineChart, View};
+use surfometry::pictures::{LineChart, View};
 use surfometry::surface::LocalQuantity;
 
 pub(crate) const EXPERIMENT: Experiment =
     Experiment { name: "smoothing", title: "Structural change under smoothing", run };
 
-/// The paper's subject: 0.672 mm in plane, slices of 1 mm.
-pub(crate) const SUBJECT: [(&str, &str); 2] = [
-    (
-        "Femur",
-        "phantom:femur?individual=5&spacing=0.672,0.672,1.0&rotate=4,-3,6&shift=0.2,0.1,0.3&jitter=0.15",
-    ),
-    (
-        "L4",
-        "phantom:vertebra?individual=23&spacing=0.672,0.672,1.0&rotate=4,-3,6&shift=0.2,0.1,0.3&jitter=0.15",
-    ),
-];
-/// One of a measurement's values.
-type Value = fn(&Measured) -> Option<f64>;
-
-const STEPS: usize = 100;
 const SHOWN: [f64; 4] = [1.0, 2.0, 3.0, 5.0];
 
 fn run(desk: &mut Desk) -> Result<()> {
@@ -37,20 +22,15 @@ fn run(desk: &mut Desk) -> Result<()> {
          original object from it, against the exact values in the table. The paper's reading holds: V, A and ⟨H⟩ fall as the blur takes the bone's tips, and χ is wrong for small sigma \
          and settles near 2 and 0.",
     );
-    let sigmas: Vec<f64> = (0..STEPS).map(|n| 1.0 + 4.0 * n as f64 / (STEPS - 1) as f64).collect();
+    let sigmas = range([1.0, 5.0]);
     let mut table =
         Table::new("bone | exact | paper, σ = 2 | paper, σ = 5 | original from σ = 2 | original from σ = 5");
     for (kind, spec) in SUBJECT {
         let phantom = Phantom::from_spec(spec)?;
-        let mask = phantom_mask(spec)?;
-        let bar = progress(kind, STEPS);
-        let (mut paper, mut ours) = (Vec::new(), Vec::new());
-        for &sigma in &sigmas {
-            paper.push(Measurement::paper().sigma_mm(sigma).thickness_mm(1.5).prepare(&mask)?.measure());
-            ours.push(Measurement::default().sigma_mm(sigma).prepare(&mask)?.measure());
-            bar.inc(1);
-        }
-        bar.finish_and_clear();
+        let mask = phantom.labels()?.mask(1);
+        let swept = Swept::over(kind, &mask, &sigmas, |sigma| {
+            [Measurement::paper().sigma_mm(sigma).thickness_mm(1.5), Measurement::default().sigma_mm(sigma)]
+        })?;
         let at = |sigma: f64| sigmas.iter().position(|s| *s >= sigma - 1e-9).unwrap_or(STEPS - 1);
         if let Some(truth) = phantom.truth() {
             let rows: [(&str, f64, [Value; 2]); 2] = [
@@ -63,7 +43,9 @@ fn run(desk: &mut Desk) -> Result<()> {
             ];
             for (name, exact, [plain, original]) in rows {
                 let mut values = Vec::new();
-                for (label, measured, value) in [("paper", &paper, plain), ("original", &ours, original)] {
+                for (label, measured, value) in
+                    [("paper", &swept.paper, plain), ("original", &swept.ours, original)]
+                {
                     for sigma in [2.0, 5.0] {
                         let number = value(&measured[at(sigma)]).unwrap_or(f64::NAN);
                         let percent = 100.0 * (number / exact - 1.0);
@@ -75,14 +57,14 @@ fn run(desk: &mut Desk) -> Result<()> {
             }
         }
         for sigma in [1.0, 1.5, 2.0, 3.0, 5.0] {
-            let chi = paper[at(sigma)].euler_characteristic.unwrap_or(f64::NAN);
+            let chi = swept.paper[at(sigma)].euler_characteristic.unwrap_or(f64::NAN);
             desk.number(format!("{kind}.chi.paper.sigma_{sigma}"), chi);
         }
         let chart = LineChart {
             along: "sigma (mm)",
             values: &sigmas,
             log: false,
-            panels: &panels(&paper, &ours),
+            panels: &swept.panels(true),
             title: kind,
             caption: "Paper: fourth-order differences, Simpson's rule, t = 1.5 mm. Defaults: matched differences, plain sum.",
         };
@@ -99,27 +81,4 @@ fn run(desk: &mut Desk) -> Result<()> {
     }
     desk.say(&table.text());
     Ok(())
-}
-
-fn panels(paper: &[Measured], ours: &[Measured]) -> Vec<ChartPanel<'static>> {
-    let line = |name, of: &[Measured], value: Value| ChartLine {
-        name,
-        values: of.iter().map(value).collect(),
-        errors: Vec::new(),
-    };
-    let panel = |name, plain: Value, original: Option<Value>| {
-        let mut lines = vec![line("paper", paper, plain), line("defaults", ours, plain)];
-        lines.extend(original.map(|original| line("original", ours, original)));
-        ChartPanel { name, lines }
-    };
-    vec![
-        panel("volume (mm³)", |m| m.volume_mm3, Some(|m| m.compensated.values.volume_mm3)),
-        panel("surface area (mm²)", |m| m.surface_area_mm2, Some(|m| m.compensated.values.surface_area_mm2)),
-        panel(
-            "average mean curvature (1/mm)",
-            |m| m.average_mean_curvature_per_mm,
-            Some(|m| m.compensated.values.average_mean_curvature_per_mm),
-        ),
-        panel("Euler characteristic", |m| m.euler_characteristic, None),
-    ]
 }

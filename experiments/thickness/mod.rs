@@ -1,21 +1,18 @@
 //! "Sensitivity of morphometrics to regularization thickness": t 0.5 to 10 mm in 100 steps at sigma 2.5 mm, and what delta and Heaviside look like.
 
 use crate::Experiment;
-use crate::bones::{phantom_mask, progress};
+use crate::bones::phantom_mask;
 use crate::desk::Desk;
-use crate::smoothing::SUBJECT;
+use crate::sweeps::{SUBJECT, Swept, Value, range};
 use crate::table::Table;
 use anyhow::{Context, Result};
 use surfometry::Measurement;
 use surfometry::measurement::{Measured, Object, VoxelQuantity};
-use surfometry::pictures::{
-    ChartLine, ChartPanel, ColorScale, Figure, LineChart, Quantity, ScaleKind, Slice, SlicePicture,
-};
+use surfometry::pictures::{ColorScale, Figure, LineChart, Quantity, ScaleKind, Slice, SlicePicture};
 
 pub(crate) const EXPERIMENT: Experiment =
     Experiment { name: "thickness", title: "Sensitivity to the thickness", run };
 
-const STEPS: usize = 100;
 const SHOWN: [f64; 3] = [1.0, 2.5, 10.0];
 
 fn run(desk: &mut Desk) -> Result<()> {
@@ -23,22 +20,17 @@ fn run(desk: &mut Desk) -> Result<()> {
         "The same bones, sigma 2.5 mm, t from 0.5 to 10 mm in 100 steps. The paper finds all but χ insensitive, and χ not whole below the largest spacing, 1 mm; so it is here. With Simpson's rule, \
          as in the paper, A is scattered more than with the plain sum, which is our default.",
     );
-    let thicknesses: Vec<f64> = (0..STEPS).map(|n| 0.5 + 9.5 * n as f64 / (STEPS - 1) as f64).collect();
+    let thicknesses = range([0.5, 10.0]);
     let mut table =
         Table::new("spread over t, sd in % (χ: largest distance from whole) | t < 1 mm | t ≥ 2.5 mm");
     for (kind, spec) in SUBJECT {
         let mask = phantom_mask(spec)?;
-        let bar = progress(kind, STEPS);
-        let (mut paper, mut ours) = (Vec::new(), Vec::new());
-        for &t in &thicknesses {
-            paper.push(Measurement::paper().sigma_mm(2.5).thickness_mm(t).prepare(&mask)?.measure());
-            ours.push(Measurement::default().sigma_mm(2.5).thickness_mm(t).prepare(&mask)?.measure());
-            bar.inc(1);
-        }
-        bar.finish_and_clear();
+        let swept = Swept::over(kind, &mask, &thicknesses, |t| {
+            [Measurement::paper(), Measurement::default()].map(|m| m.sigma_mm(2.5).thickness_mm(t))
+        })?;
         let thin = thicknesses.iter().filter(|t| **t < 1.0).count();
         let thick = thicknesses.iter().position(|t| *t >= 2.5).unwrap_or(0);
-        for (name, measured) in [("paper", &paper), ("defaults", &ours)] {
+        for (name, measured) in [("paper", &swept.paper), ("defaults", &swept.ours)] {
             let areas =
                 [&measured[..thin], &measured[thick..]].map(|part| spread(part, |m| m.surface_area_mm2));
             let chi = [&measured[..thin], &measured[thick..]].map(unevenness);
@@ -53,7 +45,7 @@ fn run(desk: &mut Desk) -> Result<()> {
             along: "thickness t (mm)",
             values: &thicknesses,
             log: false,
-            panels: &panels(&paper, &ours),
+            panels: &swept.panels(false),
             title: kind,
             caption: "Blurred object, sigma 2.5 mm; the largest spacing is 1 mm.",
         };
@@ -64,7 +56,7 @@ fn run(desk: &mut Desk) -> Result<()> {
 }
 
 /// Standard deviation in % of the mean.
-fn spread(measured: &[Measured], value: fn(&Measured) -> Option<f64>) -> f64 {
+fn spread(measured: &[Measured], value: Value) -> f64 {
     let values: Vec<f64> = measured.iter().filter_map(value).collect();
     let mean = values.iter().sum::<f64>() / values.len() as f64;
     let square = values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / values.len() as f64;
@@ -75,23 +67,6 @@ fn spread(measured: &[Measured], value: fn(&Measured) -> Option<f64>) -> f64 {
 fn unevenness(measured: &[Measured]) -> f64 {
     let off = measured.iter().filter_map(|m| m.euler_characteristic).map(|chi| (chi - chi.round()).abs());
     off.fold(0.0, f64::max)
-}
-
-fn panels(paper: &[Measured], ours: &[Measured]) -> Vec<ChartPanel<'static>> {
-    let panel = |name, value: fn(&Measured) -> Option<f64>| {
-        let line = |name, of: &[Measured]| ChartLine {
-            name,
-            values: of.iter().map(value).collect(),
-            errors: Vec::new(),
-        };
-        ChartPanel { name, lines: vec![line("paper", paper), line("defaults", ours)] }
-    };
-    vec![
-        panel("volume (mm³)", |m| m.volume_mm3),
-        panel("surface area (mm²)", |m| m.surface_area_mm2),
-        panel("average mean curvature (1/mm)", |m| m.average_mean_curvature_per_mm),
-        panel("Euler characteristic", |m| m.euler_characteristic),
-    ]
 }
 
 /// Delta and Heaviside in the vertebra's middle slice.

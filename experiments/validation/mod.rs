@@ -14,7 +14,9 @@ use anyhow::Result;
 use measurements::measure_cohort;
 use paper::{PAPER, PaperRow};
 use surfometry::pictures::{AgreementChart, AgreementPanel};
-use surfometry::statistics::{Agreement, Bootstrap, LinearFit, Paired, least_squares};
+use surfometry::statistics::{
+    Agreement, BlandAltman, Bootstrap, LinearFit, Paired, Spread, bland_altman, least_squares,
+};
 
 pub(crate) const EXPERIMENT: Experiment =
     Experiment { name: "validation", title: "Validation of morphometrics", run };
@@ -57,17 +59,23 @@ pub(crate) fn pairs(
     [method, standard]: [&str; 2],
     value: Value,
 ) -> Vec<(f64, f64)> {
-    let of = |name: &str| {
-        rows.iter().filter(|r| r.kind == kind && r.method == name).map(value).collect::<Vec<_>>()
-    };
-    of(method).into_iter().zip(of(standard)).collect()
+    values(rows, kind, method, value).into_iter().zip(values(rows, kind, standard, value)).collect()
 }
 
-/// Agreement, and the line of the standard on the method, which the paper prints.
-fn agreement(pairs: &[(f64, f64)]) -> Result<(Agreement, LinearFit)> {
-    let (method, standard): (Vec<f64>, Vec<f64>) = pairs.iter().copied().unzip();
-    let line = least_squares(&method, &standard);
-    Ok((Agreement::of(&Paired::new(method, standard)?, Bootstrap::default()), line))
+/// A method's values of the bones of a kind.
+pub(crate) fn values(rows: &[Row], kind: &str, method: &str, value: Value) -> Vec<f64> {
+    rows.iter().filter(|r| r.kind == kind && r.method == method).map(value).collect()
+}
+
+fn paired(pairs: &[(f64, f64)]) -> Result<Paired> {
+    let (method, standard) = pairs.iter().copied().unzip();
+    Ok(Paired::new(method, standard)?)
+}
+
+/// What the paper prints: the line of the standard on the method, and the differences.
+fn line_and_differences(pairs: &[(f64, f64)]) -> Result<(LinearFit, BlandAltman)> {
+    let pairs = paired(pairs)?;
+    Ok((least_squares(pairs.method(), pairs.standard()), bland_altman(&pairs)))
 }
 
 fn run(desk: &mut Desk) -> Result<()> {
@@ -93,19 +101,22 @@ fn against_standard(desk: &mut Desk, rows: &[Row], [method, title]: [&str; 2]) -
         Table::new("bone | measure | method | standard | slope (95 % CI) | R² | bias (95 % LoA) | bias | p");
     for kind in KINDS {
         for (measure, value) in MEASURES {
-            let (a, line) = agreement(&pairs(rows, kind, [method, STANDARD], value))?;
+            let pairs = pairs(rows, kind, [method, STANDARD], value);
+            let (line, b) = line_and_differences(&pairs)?;
+            let (of_method, of_standard): (Vec<f64>, Vec<f64>) = pairs.into_iter().unzip();
             let key = |what: &str| format!("{method}.{kind}.{measure}.{what}");
-            let b = &a.bland_altman;
             desk.number(key("bias_percent"), b.bias_percent);
             desk.number(key("r_squared"), line.r_squared);
             desk.number(key("slope"), line.slope.value);
             let p = desk.number(key("proportional_p"), b.proportional.slope_p_value);
-            let spread =
-                |s: &surfometry::statistics::Spread| format!("{} ± {}", short(s.mean), short(s.deviation));
+            let spread = |values: &[f64]| {
+                let Spread { mean, deviation } = Spread::of(values);
+                format!("{} ± {}", short(mean), short(deviation))
+            };
             table.row(&format!(
                 "{kind} | {measure} | {} | {} | {:.4} ({:.4}, {:.4}) | {:.4} | {} ({}, {}) | {:+.2} % | {}",
-                spread(&a.method),
-                spread(&a.standard),
+                spread(&of_method),
+                spread(&of_standard),
                 line.slope.value,
                 line.slope.interval[0],
                 line.slope.interval[1],
@@ -163,8 +174,10 @@ fn charts(desk: &mut Desk, rows: &[Row]) -> Result<()> {
                 .iter()
                 .map(|(name, value)| (*name, pairs(rows, kind, [method, STANDARD], *value)))
                 .collect();
-            let agreements: Vec<Agreement> =
-                of_measures.iter().map(|(_, pairs)| Ok(agreement(pairs)?.0)).collect::<Result<_>>()?;
+            let agreements: Vec<Agreement> = of_measures
+                .iter()
+                .map(|(_, pairs)| Ok(Agreement::of(&paired(pairs)?, Bootstrap::default())))
+                .collect::<Result<_>>()?;
             let panels: Vec<AgreementPanel> = of_measures
                 .iter()
                 .zip(&agreements)
@@ -192,8 +205,7 @@ fn proportional_bias(desk: &mut Desk, rows: &[Row]) -> Result<()> {
     let printed = [["-5.0 %", "-3.1 %"], ["0.6 %", "0.8 %"]];
     for ((method, title), printed) in METHODS.into_iter().zip(printed) {
         for (kind, printed) in KINDS.into_iter().zip(printed) {
-            let (a, _) = agreement(&pairs(rows, kind, [method, STANDARD], MEASURES[1].1))?;
-            let b = &a.bland_altman;
+            let (_, b) = line_and_differences(&pairs(rows, kind, [method, STANDARD], MEASURES[1].1))?;
             let slope = 100.0 * b.proportional.slope.value;
             desk.number(format!("{method}.{kind}.area_slope_of_difference_percent"), slope);
             table.row(&format!(
@@ -223,9 +235,7 @@ fn against_truth(desk: &mut Desk, rows: &[Row]) {
                     continue;
                 }
                 let ratios: Vec<f64> = pairs.iter().map(|(m, s)| 100.0 * (m / s - 1.0)).collect();
-                let mean = ratios.iter().sum::<f64>() / ratios.len() as f64;
-                let square: f64 = ratios.iter().map(|r| (r - mean).powi(2)).sum();
-                let deviation = (square / (ratios.len() as f64 - 1.0)).sqrt();
+                let Spread { mean, deviation } = Spread::of(&ratios);
                 desk.number(format!("truth.{method}.{kind}.{measure}.bias_percent"), mean);
                 desk.number(format!("truth.{method}.{kind}.{measure}.sd_percent"), deviation);
                 cells.push(format!("{mean:+.2} ± {deviation:.2} %"));
@@ -265,17 +275,18 @@ fn claims(desk: &mut Desk, rows: &[Row]) -> Result<()> {
         ))
     })?;
     add("R² ≥ 0.999 of V and A, ≥ 0.99 of ⟨H⟩", &mut |kind| {
-        let squares = MEASURES
-            .map(|(_, value)| Ok(agreement(&pairs(rows, kind, ["paper", STANDARD], value))?.1.r_squared));
+        let squares = MEASURES.map(|(_, value)| {
+            Ok(line_and_differences(&pairs(rows, kind, ["paper", STANDARD], value))?.0.r_squared)
+        });
         let squares: Vec<f64> = squares.into_iter().collect::<Result<_>>()?;
         Ok(squares.iter().map(|r| format!("{r:.4}")).collect::<Vec<_>>().join(", "))
     })?;
     add("our defaults at the same sigma at least as good: bias of V, A, ⟨H⟩; R²", &mut |kind| {
         let (mut bias, mut square) = (0, 0);
         for (_, value) in MEASURES {
-            let of = |method| agreement(&pairs(rows, kind, [method, STANDARD], value));
-            let ((ours, our_line), (theirs, line)) = (of("defaults at the paper's sigma")?, of("paper")?);
-            bias += u8::from(ours.bland_altman.bias.value.abs() <= theirs.bland_altman.bias.value.abs());
+            let of = |method| line_and_differences(&pairs(rows, kind, [method, STANDARD], value));
+            let ((our_line, ours), (line, theirs)) = (of("defaults at the paper's sigma")?, of("paper")?);
+            bias += u8::from(ours.bias.value.abs() <= theirs.bias.value.abs());
             square += u8::from(our_line.r_squared >= line.r_squared - 1e-5);
         }
         desk.number(format!("claim.{kind}.bias_at_least_as_good"), f64::from(bias));

@@ -4,6 +4,7 @@ use crate::options::positive;
 use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use surfometry::pictures::{PictureKind, PictureStyle, View};
+use surfometry::runs::MapStyle;
 use surfometry::surface::LocalQuantity;
 
 /// What colours and pictures show.
@@ -27,24 +28,19 @@ pub(crate) struct PictureOptions {
 }
 
 impl PictureOptions {
-    /// Quantity, scale and views.
-    pub(crate) fn style(&self) -> PictureStyle {
-        PictureStyle {
-            quantity: self.quantity,
-            limit: self.limit,
-            views: self.view.clone(),
-            title: String::new(),
+    /// How maps are drawn; of voxels those that are the default.
+    pub(crate) fn map_style(&self) -> MapStyle {
+        MapStyle {
+            picture: PictureStyle {
+                quantity: self.quantity,
+                limit: self.limit,
+                views: self.view.clone(),
+                title: String::new(),
+            },
+            pictures: distinct(&self.picture),
+            dpi_scale: f64::from(self.dpi) / 96.0,
+            ..MapStyle::default()
         }
-    }
-
-    /// The pictures to draw.
-    pub(crate) fn kinds(&self) -> Vec<PictureKind> {
-        distinct(&self.picture)
-    }
-
-    /// Pixels a picture unit.
-    pub(crate) fn dpi_scale(&self) -> f64 {
-        f64::from(self.dpi) / 96.0
     }
 }
 

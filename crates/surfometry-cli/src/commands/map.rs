@@ -82,12 +82,7 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
     let wanted = args.options.inputs(args.curvature.scale());
     let inputs = expand(&args.inputs);
     let targets = Targets::new(args.output.iter().chain(&args.png).cloned(), &inputs)?;
-    let style = MapStyle {
-        picture: args.pictures.style(),
-        pictures: args.pictures.kinds(),
-        dpi_scale: args.pictures.dpi_scale(),
-        voxels: distinct(&args.voxels),
-    };
+    let style = MapStyle { voxels: distinct(&args.voxels), ..args.pictures.map_style() };
     let progress = progress_bar(inputs.len(), quiet);
     let mut run = Run { style, ledger: FileLedger::new(&inputs), records: Vec::new(), failures: Vec::new() };
     for (input, part) in inputs.iter().zip(distinct_parts(&inputs)) {

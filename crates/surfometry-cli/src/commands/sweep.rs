@@ -10,10 +10,10 @@ use anyhow::{Result, bail};
 use clap::ValueEnum;
 use std::path::{Path, PathBuf};
 use surfometry::Measurement;
-use surfometry::measurement::CurvatureScale;
+use surfometry::measurement::{CurvatureScale, Parameters};
 use surfometry::pictures::{PictureStyle, color_scale};
 use surfometry::runs::{
-    ExplainTopology, FileLedger, InputError, InputOptions, MapFile, MapStyle, Output, Record, SweepAxis,
+    ExplainTopology, FileLedger, InputError, InputOptions, MapFile, Output, Record, SweepAxis,
     distinct_parts, measure_input, visit_objects, with_parts, write_map_files, write_sweep_chart,
 };
 
@@ -73,16 +73,25 @@ impl Swept {
     }
 
     fn of(self, record: &Record) -> Option<f64> {
-        (self.axis(false).value)(&record.measured.parameters)
+        self.value()(&record.measured.parameters)
+    }
+
+    fn value(self) -> fn(&Parameters) -> Option<f64> {
+        match self {
+            Self::Sigma => |p| p.sigma_mm,
+            Self::Thickness => |p| Some(p.thickness_mm),
+            Self::Level => |p| p.level,
+        }
     }
 
     /// The horizontal axis of a chart.
     fn axis(self, log: bool) -> SweepAxis {
-        match self {
-            Self::Sigma => SweepAxis { name: "sigma (mm)", value: |p| p.sigma_mm, log },
-            Self::Thickness => SweepAxis { name: "thickness t (mm)", value: |p| Some(p.thickness_mm), log },
-            Self::Level => SweepAxis { name: "level", value: |p| p.level, log },
-        }
+        let name = match self {
+            Self::Sigma => "sigma (mm)",
+            Self::Thickness => "thickness t (mm)",
+            Self::Level => "level",
+        };
+        SweepAxis { name, value: self.value(), log }
     }
 
     fn heading(self) -> &'static str {
@@ -175,7 +184,9 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
         }
         if let Some(path) = &args.surfaces {
             let path = with_parts(path, part.as_slice());
-            if let Err(failure) = draw_surfaces(args, input, &values, &path, &mut ledger) {
+            if let Err(failure) =
+                draw_surfaces(args, input, (&measurement, &wanted), &values, &path, &mut ledger)
+            {
                 progress.suspend(|| say(&format!("no pictures of {input}: {failure}")));
                 all_drawn = false;
             }
@@ -208,27 +219,18 @@ fn check_picture(args: &Args, path: Option<&Path>, what: &str) -> Result<()> {
 fn draw_surfaces(
     args: &Args,
     input: &str,
+    (measurement, wanted): (&Measurement, &InputOptions),
     values: &[f64],
     path: &Path,
     ledger: &mut FileLedger,
 ) -> Result<()> {
-    let measurement = args.options.measurement()?;
-    let wanted = InputOptions {
-        explain_topology: ExplainTopology::Never,
-        ..args.options.inputs(CurvatureScale::AsMeasured)
-    };
-    let mut style = MapStyle {
-        picture: args.pictures.style(),
-        pictures: args.pictures.kinds(),
-        dpi_scale: args.pictures.dpi_scale(),
-        ..MapStyle::default()
-    };
+    let mut style = args.pictures.map_style();
     let count = (args.surface_count as usize).min(values.len());
     let name = args.over.to_possible_value().expect("none is skipped").get_name().to_owned();
     for n in 0..count {
         let value = values[(n * (values.len() - 1)).div_ceil((count - 1).max(1))];
         let path = with_parts(path, &[format!("{name}-{}", digits(value))]);
-        visit_objects(input, &args.over.set(measurement, value), &wanted, |object| {
+        visit_objects(input, &args.over.set(*measurement, value), wanted, |object| {
             let PictureStyle { quantity, limit, .. } = style.picture;
             let [_, most] = color_scale(object.surface(), quantity, limit).limits();
             style.picture.limit = Some(most);

@@ -42,7 +42,7 @@ impl<'a> DistanceEmbedding<'a> {
         Self { zero: Zero::BoundaryVoxels, ..Self::new(mask) }
     }
 
-    /// Adds the distances of the voxels of a region, which must lie as far inside `padded` as they reach, to `phi`.
+    /// Writes the distances of the voxels of `phi`'s region, which lies as far inside `padded` as they reach.
     fn fill(&self, phi: &mut Block<f64>, padded: &IndexBox, reach: f64) {
         let region = phi.region();
         let all = |of: &dyn Fn([i64; 3]) -> bool, gap: f64| distances(of, padded, self.spacing, gap);
@@ -114,7 +114,7 @@ const HALF_VOXEL: f64 = 0.5;
 /// Squared distance in mm^2 from every voxel centre of a box to the nearest voxel that is one `of` some inside that box, as far as `gap` voxels from its centre along each axis (its cube
 /// with 1/2, its centre with 0); 0 in those, infinite where the box holds none.
 ///
-/// The squared distance to a cube is a sum over axes of max(|n| - 1/2, 0)^2 h^2, so one pass along each axis
+/// The squared distance to a cube is a sum over axes of max(|n| - gap, 0)^2 h^2, so one pass along each axis
 /// does it.
 fn distances(of: &dyn Fn([i64; 3]) -> bool, region: &IndexBox, spacing: [f64; 3], gap: f64) -> Block<f64> {
     let mut squares = Block::filled(*region, f64::INFINITY);

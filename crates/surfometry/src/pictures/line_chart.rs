@@ -28,6 +28,13 @@ pub struct ChartLine<'a> {
     pub errors: Vec<Option<f64>>,
 }
 
+impl<'a> ChartLine<'a> {
+    /// Without errors.
+    pub fn new(name: &'a str, values: Vec<Option<f64>>) -> Self {
+        Self { name, values, errors: Vec::new() }
+    }
+}
+
 /// Lines in common axes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ChartPanel<'a> {

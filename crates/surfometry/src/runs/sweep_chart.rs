@@ -86,10 +86,8 @@ fn measure_panels<'a>(records: &[Record], measures: &'a [String]) -> Result<Vec<
 
 /// V, A, M and chi of the same object, measured in several ways.
 pub(crate) fn sweep_panels(measured: &[&Measured]) -> Vec<ChartPanel<'static>> {
-    let line = |name, value: &dyn Fn(&Measured) -> Option<f64>| ChartLine {
-        name,
-        values: measured.iter().map(|m| value(m)).collect(),
-        errors: Vec::new(),
+    let line = |name, value: &dyn Fn(&Measured) -> Option<f64>| {
+        ChartLine::new(name, measured.iter().map(|m| value(m)).collect())
     };
     let panel =
         |name, plain: &dyn Fn(&Measured) -> Option<f64>, original: fn(&CompensatedValues) -> Option<f64>| {

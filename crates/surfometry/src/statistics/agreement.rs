@@ -17,7 +17,8 @@ pub struct Spread {
 }
 
 impl Spread {
-    fn of(values: &[f64]) -> Self {
+    /// Of at least two values.
+    pub fn of(values: &[f64]) -> Self {
         Self { mean: mean(values), deviation: deviation(values) }
     }
 }
