@@ -66,18 +66,14 @@ impl Swept {
             ChartPanel { name, lines }
         };
         vec![
-            panel("volume (mm³)", |m| m.volume_mm3, Some(|m| m.compensated.values.volume_mm3)),
-            panel(
-                "surface area (mm²)",
-                |m| m.surface_area_mm2,
-                Some(|m| m.compensated.values.surface_area_mm2),
-            ),
+            panel("volume (mm³)", |m| m.blurred.volume_mm3, Some(|m| m.volume_mm3)),
+            panel("surface area (mm²)", |m| m.blurred.surface_area_mm2, Some(|m| m.surface_area_mm2)),
             panel(
                 "average mean curvature (1/mm)",
-                |m| m.average_mean_curvature_per_mm,
-                Some(|m| m.compensated.values.average_mean_curvature_per_mm),
+                |m| m.blurred.average_mean_curvature_per_mm,
+                Some(|m| m.average_mean_curvature_per_mm),
             ),
-            panel("Euler characteristic", |m| m.euler_characteristic, None),
+            panel("Euler characteristic", |m| m.blurred.euler_characteristic, None),
         ]
     }
 }

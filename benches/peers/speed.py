@@ -85,7 +85,7 @@ def ours(binary, case, what):
     values = {}
     if "plain" in found:
         keys = ("volume_mm3", "surface_area_mm2", "total_mean_curvature_mm")
-        source = found.get("compensated", found["plain"])
+        source = found.get("original", found["plain"])
         values = dict(zip("VAM", (source[key] for key in keys)), chi=found["plain"]["euler_characteristic"])
     return {"seconds": result["seconds"], "mib": peak - loaded, **values, "stages": found.get("stages")}
 

@@ -21,7 +21,7 @@ fn run(desk: &mut Desk) -> Result<()> {
     let mut radii = Vec::new();
     for &sigma in &sigmas {
         let measured = Measurement::default().sigma_mm(sigma).prepare(&ball)?.measure();
-        radii.push(measured.volume_mm3.map(|v| (0.75 * v / PI).cbrt()));
+        radii.push(measured.blurred.volume_mm3.map(|v| (0.75 * v / PI).cbrt()));
     }
     let times: Vec<f64> = sigmas.iter().map(|sigma| 0.5 * sigma * sigma).collect();
     // dR/dt = -2/R, the sum of the principal curvatures.

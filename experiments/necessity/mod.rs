@@ -36,7 +36,7 @@ fn run(desk: &mut Desk) -> Result<()> {
             anyhow::Ok(desk.number(format!("{name}.sd_{}", quantity.option()), value))
         };
         let (h, k) = (spread(LocalQuantity::MeanCurvature)?, spread(LocalQuantity::GaussianCurvature)?);
-        let chi = object.measure().euler_characteristic.unwrap_or(f64::NAN);
+        let chi = object.measure().blurred.euler_characteristic.unwrap_or(f64::NAN);
         desk.number(format!("{name}.chi"), chi);
         table.row(&format!("{title} | {h:.3} | {k:.4} | {chi:.2}"));
         pictures(desk, &object, &surface, [name, title])?;

@@ -21,7 +21,7 @@ fn run(desk: &mut Desk) -> Result<()> {
     for bone in cohort.iter().filter(|bone| bone.truth.euler_characteristic == -2) {
         let mask = bone.mask()?;
         let object = Measurement::paper().prepare(&mask)?;
-        let chi = object.measure().euler_characteristic.unwrap_or(f64::NAN);
+        let chi = object.measure().blurred.euler_characteristic.unwrap_or(f64::NAN);
         desk.number(format!("{}.chi_paper", bone.name), chi);
         said.push(format!("{}: χ = {chi:.2}", bone.name));
         pictures.push((bone.name.clone(), highlighted(bone, &object.surface())?));
@@ -37,7 +37,7 @@ fn run(desk: &mut Desk) -> Result<()> {
     let (mut band, mut mesh) = (Vec::new(), Vec::new());
     for &sigma in &sigmas {
         let measured = Measurement::default().sigma_mm(sigma).run(&mask)?;
-        band.push(measured.euler_characteristic);
+        band.push(measured.blurred.euler_characteristic);
         mesh.push(measured.topology.euler_characteristic_mesh.map(|chi| chi as f64));
     }
     let lost = mesh.iter().position(|chi| *chi != Some(-2.0)).map_or(f64::NAN, |n| sigmas[n]);

@@ -41,7 +41,7 @@ def compensated(program, phantom, sigma):
     """Errors of V, A and M in %, after first-order compensation."""
     command = [program, "measure", phantom, "--sigma", str(sigma), "--format", "json", "-q"]
     record = json.loads(subprocess.run(command, capture_output=True, check=True).stdout)["results"][0]
-    truth, values = record["truth"], record["compensated"]
+    truth, values = record["truth"], record
     mean = max(abs(truth[VALUES[2]]), 0.02 * truth[VALUES[1]])
     units = (truth[VALUES[0]], truth[VALUES[1]], mean)
     return [100 * (values[v] - truth[v]) / u if values[v] is not None else math.nan for v, u in zip(VALUES, units)]

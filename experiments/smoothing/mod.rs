@@ -34,12 +34,8 @@ fn run(desk: &mut Desk) -> Result<()> {
         let at = |sigma: f64| sigmas.iter().position(|s| *s >= sigma - 1e-9).unwrap_or(STEPS - 1);
         if let Some(truth) = phantom.truth() {
             let rows: [(&str, f64, [Value; 2]); 2] = [
-                ("V (mm³)", truth.volume, [|m| m.volume_mm3, |m| m.compensated.values.volume_mm3]),
-                (
-                    "A (mm²)",
-                    truth.surface_area,
-                    [|m| m.surface_area_mm2, |m| m.compensated.values.surface_area_mm2],
-                ),
+                ("V (mm³)", truth.volume, [|m| m.blurred.volume_mm3, |m| m.volume_mm3]),
+                ("A (mm²)", truth.surface_area, [|m| m.blurred.surface_area_mm2, |m| m.surface_area_mm2]),
             ];
             for (name, exact, [plain, original]) in rows {
                 let mut values = Vec::new();
@@ -57,7 +53,7 @@ fn run(desk: &mut Desk) -> Result<()> {
             }
         }
         for sigma in [1.0, 1.5, 2.0, 3.0, 5.0] {
-            let chi = swept.paper[at(sigma)].euler_characteristic.unwrap_or(f64::NAN);
+            let chi = swept.paper[at(sigma)].blurred.euler_characteristic.unwrap_or(f64::NAN);
             desk.number(format!("{kind}.chi.paper.sigma_{sigma}"), chi);
         }
         let chart = LineChart {

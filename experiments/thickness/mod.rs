@@ -31,8 +31,8 @@ fn run(desk: &mut Desk) -> Result<()> {
         let thin = thicknesses.iter().filter(|t| **t < 1.0).count();
         let thick = thicknesses.iter().position(|t| *t >= 2.5).unwrap_or(0);
         for (name, measured) in [("paper", &swept.paper), ("defaults", &swept.ours)] {
-            let areas =
-                [&measured[..thin], &measured[thick..]].map(|part| spread(part, |m| m.surface_area_mm2));
+            let areas = [&measured[..thin], &measured[thick..]]
+                .map(|part| spread(part, |m| m.blurred.surface_area_mm2));
             let chi = [&measured[..thin], &measured[thick..]].map(unevenness);
             for (range, area, chi) in [("below_1", areas[0], chi[0]), ("from_2.5", areas[1], chi[1])] {
                 desk.number(format!("{kind}.{name}.area_sd_percent.t_{range}"), area);
@@ -65,7 +65,8 @@ fn spread(measured: &[Measured], value: Value) -> f64 {
 
 /// How far chi is from whole, at most.
 fn unevenness(measured: &[Measured]) -> f64 {
-    let off = measured.iter().filter_map(|m| m.euler_characteristic).map(|chi| (chi - chi.round()).abs());
+    let off =
+        measured.iter().filter_map(|m| m.blurred.euler_characteristic).map(|chi| (chi - chi.round()).abs());
     off.fold(0.0, f64::max)
 }
 

@@ -40,11 +40,16 @@ fn run(desk: &mut Desk) -> Result<()> {
             )
         };
         let (volume, area, mean) = (
-            percent("volume", measured.volume_mm3, truth.volume),
-            percent("area", measured.surface_area_mm2, truth.surface_area),
-            percent("mean_curvature", measured.average_mean_curvature_per_mm, truth.average_mean_curvature),
+            percent("volume", measured.blurred.volume_mm3, truth.volume),
+            percent("area", measured.blurred.surface_area_mm2, truth.surface_area),
+            percent(
+                "mean_curvature",
+                measured.blurred.average_mean_curvature_per_mm,
+                truth.average_mean_curvature,
+            ),
         );
-        let chi = desk.number(format!("{name}.chi"), measured.euler_characteristic.unwrap_or(f64::NAN));
+        let chi =
+            desk.number(format!("{name}.chi"), measured.blurred.euler_characteristic.unwrap_or(f64::NAN));
         let [h, k] = local_errors(&phantom, &object.surface());
         desk.number(format!("{name}.rms_error_h_percent"), h);
         desk.number(format!("{name}.rms_error_k_percent"), k);

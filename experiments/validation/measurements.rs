@@ -118,13 +118,18 @@ const REFERENCES: [&dyn ReferenceMethod; 5] = [
 
 /// The blurred object.
 fn plain(m: &Measured) -> [f64; 4] {
-    [m.volume_mm3, m.surface_area_mm2, m.average_mean_curvature_per_mm, m.euler_characteristic]
-        .map(|value| value.unwrap_or(f64::NAN))
+    [
+        m.blurred.volume_mm3,
+        m.blurred.surface_area_mm2,
+        m.blurred.average_mean_curvature_per_mm,
+        m.blurred.euler_characteristic,
+    ]
+    .map(|value| value.unwrap_or(f64::NAN))
 }
 
 /// The original one; its characteristic is that of the surface as a mesh.
 fn original(m: &Measured) -> [f64; 4] {
-    let c = &m.compensated.values;
+    let c = &m.values;
     let chi = m.topology.euler_characteristic_mesh.map(|chi| chi as f64);
     [c.volume_mm3, c.surface_area_mm2, c.average_mean_curvature_per_mm, chi]
         .map(|value| value.unwrap_or(f64::NAN))

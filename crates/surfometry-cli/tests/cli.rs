@@ -36,11 +36,11 @@ fn keys(value: &Value) -> Vec<String> {
 
 const BALL: &str = "phantom:ball?radius=10&shift=0.3,0.2,0.1";
 
-/// DESIGN.md 4, field by field and in its order; fields may be added, never renamed.
+/// docs/contract.md, field by field and in its order; fields may be added, never renamed.
 #[test]
 fn json_is_the_contract() {
     let document = json(&["measure", BALL]);
-    assert_eq!(document["schema"], "surfometry.measure/1");
+    assert_eq!(document["schema"], "surfometry.measure/2");
     assert_eq!(document["version"], env!("CARGO_PKG_VERSION"));
     assert_eq!(document["failures"], Value::Array(Vec::new()));
     let record = &document["results"][0];
@@ -53,18 +53,15 @@ fn json_is_the_contract() {
         "euler_characteristic",
         "total_squared_mean_curvature",
     ];
-    let four = &plain[..4];
     let group = |name: &str, fields: &[&str]| {
         let inner = fields.iter().map(|f| format!("{name}.{f}"));
         [name.to_owned()].into_iter().chain(inner).collect::<Vec<_>>()
     };
-    let error = |f: &&str| format!("compensated.standard_error.{f}");
-    let mut expected: Vec<String> =
-        ["input", "label", "name", "component"].iter().chain(&plain).map(ToString::to_string).collect();
-    expected.extend(group("compensated", four));
-    expected.push("compensated.standard_error".to_owned());
-    expected.extend(four.iter().map(error));
-    expected.extend(group("grid_noise", &plain));
+    let first = ["input", "label", "name", "component", "surface"];
+    let mut expected: Vec<String> = first.iter().chain(&plain).map(ToString::to_string).collect();
+    expected.extend(group("standard_error", &plain));
+    expected.extend(group("blurred", &plain));
+    expected.extend(group("blurred.grid_noise", &plain));
     expected.extend(group("mesh", &["volume_mm3", "surface_area_mm2", "vertices", "triangles"]));
     expected.extend(group("voxels", &["count", "volume_mm3", "centroid_mm", "cut_area_mm2", "bounding_box"]));
     expected.extend(group(
@@ -81,7 +78,6 @@ fn json_is_the_contract() {
         ],
     ));
     expected.push("clip".to_owned());
-    expected.extend(group("truth", &plain[..6]));
     expected.extend(group(
         "parameters",
         &[
@@ -98,13 +94,16 @@ fn json_is_the_contract() {
         ],
     ));
     expected.extend(group("grid", &["dimensions", "spacing_mm"]));
-    expected.extend(["flags", "read_seconds", "seconds"].map(str::to_owned));
+    expected.push("flags".to_owned());
+    expected.extend(group("truth", &plain[..6]));
+    expected.extend(["read_seconds", "seconds"].map(str::to_owned));
     assert_eq!(keys(record), expected);
     assert_eq!(record["label"], 1);
     assert!(record["name"].is_null() && record["parameters"]["curvature_sigma_mm"].is_null());
-    assert!(record["grid_noise"]["volume_mm3"].is_number());
+    assert!(record["blurred"]["grid_noise"]["volume_mm3"].is_number());
+    assert!(record["surface"] == "original" && record["euler_characteristic"] == 2.0);
     assert_eq!(record["parameters"]["derivatives"], "matched");
-    let chi = record["euler_characteristic"].as_f64().unwrap();
+    let chi = record["blurred"]["euler_characteristic"].as_f64().unwrap();
     assert!((chi - 2.0).abs() < 0.01);
 }
 
@@ -157,7 +156,7 @@ fn failed_inputs_are_listed_and_the_others_measured() {
     assert_eq!(lines.len(), 5);
     let column = lines[0].split(',').position(|c| c == "input").unwrap();
     assert_eq!(column, 0);
-    assert!(lines[0].ends_with("error") && lines[0].contains("compensated_standard_error_volume_mm3"));
+    assert!(lines[0].ends_with("error") && lines[0].contains("standard_error_volume_mm3"));
     assert!(
         lines[0].contains("voxels_centroid_mm_x,voxels_centroid_mm_y")
             && lines[0].contains("voxels_bounding_box_min_x")
@@ -199,7 +198,7 @@ fn output_is_written_whole_or_not_at_all() {
     assert_eq!(ok.status.code(), Some(0));
     assert!(ok.stdout.is_empty());
     let before = std::fs::read(folder.path().join("out.csv")).unwrap();
-    assert!(before.starts_with(b"input,label,name,component,volume_mm3"));
+    assert!(before.starts_with(b"input,label,name,component,surface,volume_mm3"));
     let nowhere = run_in(folder.path(), &["measure", BALL, "-o", "no/such/folder/out.csv"]);
     assert_eq!(nowhere.status.code(), Some(2));
     let folder_itself = run_in(folder.path(), &["measure", BALL, "-o", "."]);
@@ -325,7 +324,7 @@ fn labels_are_chosen_and_united() {
 fn an_object_that_the_blur_removes_is_no_failure() {
     let document = json(&["measure", "phantom:ball?radius=3", "--sigma", "10"]);
     let record = &document["results"][0];
-    assert!(record["volume_mm3"].is_null() && record["compensated"]["volume_mm3"].is_null());
+    assert!(record["blurred"]["volume_mm3"].is_null() && record["volume_mm3"].is_null());
     let codes: Vec<&str> =
         record["flags"].as_array().unwrap().iter().map(|f| f["code"].as_str().unwrap()).collect();
     assert!(codes.contains(&"surface-vanished"), "{codes:?}");
@@ -437,7 +436,7 @@ fn meshes_are_measured() {
         let record = &document["results"][0];
         // The mesh is that of the blurred ball: sigma^2 / R = 1/16 mm smaller.
         let radius = 16.0 - 1.0 / 16.0;
-        let area = record["compensated"]["surface_area_mm2"].as_f64().unwrap();
+        let area = record["surface_area_mm2"].as_f64().unwrap();
         assert!((area / (4.0 * std::f64::consts::PI * radius * radius) - 1.0).abs() < 2e-3, "{area}");
         assert_eq!(record["topology"]["euler_characteristic_mesh"], 2);
     }

@@ -31,7 +31,7 @@ fn a_sweep_shows_what_depends_on_sigma() {
             .collect()
     };
     assert_eq!(of(["parameters", "sigma_mm"]), [1.5, 2.0, 2.5, 3.0]);
-    let (plain, original) = (of(["", "volume_mm3"]), of(["compensated", "volume_mm3"]));
+    let (plain, original) = (of(["blurred", "volume_mm3"]), of(["", "volume_mm3"]));
     assert!(plain.windows(2).all(|pair| pair[1] < 0.99 * pair[0]), "{plain:?}");
     let exact = results[0]["truth"]["volume_mm3"].as_f64().unwrap();
     assert!(original.iter().all(|v| (v / exact - 1.0).abs() < 0.01), "{original:?}");
@@ -71,7 +71,7 @@ fn sweeps_of_any_measure_and_surfaces_along_the_way() {
     let file = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
     let (chart, surfaces) = (file("chart.svg"), file("ball.svg"));
     let sweep = ["sweep", BALL, "--range", "1.5:3:4", "--chart", &chart, "-q"];
-    let measures = "compensated_average_mean_curvature_per_mm,mesh_triangles";
+    let measures = "average_mean_curvature_per_mm,mesh_triangles";
     let drawn =
         run(&[&sweep[..], &["--measures", measures, "--surfaces", &surfaces, "--surface-count", "3"]]
             .concat());
@@ -170,8 +170,8 @@ fn the_zoo_is_measured() {
     assert_eq!(summaries.len(), 13);
     assert_eq!(document["cases"].as_array().unwrap().len(), 13);
     for summary in summaries {
-        let plain = summary["worst_plain"]["surface_area"].as_f64().unwrap();
-        let compensated = summary["worst_compensated"]["surface_area"].as_f64().unwrap();
+        let plain = summary["worst_blurred"]["surface_area"].as_f64().unwrap();
+        let compensated = summary["worst_original"]["surface_area"].as_f64().unwrap();
         assert!(compensated.abs() < plain.abs(), "{summary}");
     }
     let two = json(&[

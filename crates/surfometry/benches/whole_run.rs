@@ -59,7 +59,7 @@ fn run(measurement: &Measurement, grid: Grid, voxels: &[u8], what: &str) -> (f64
             let stages = json!({
                 "embed": t.embed, "derive": t.derive, "integrate": t.integrate, "surface": t.surface, "topology": t.topology,
             });
-            (start.elapsed(), json!({"plain": m.plain, "stages": stages}))
+            (start.elapsed(), json!({"plain": m.blurred.values, "original": m.values, "stages": stages}))
         }
         _ => {
             let surface = object.surface();

@@ -20,7 +20,7 @@ fn euler_characteristic_is_right_to_a_hundredth() {
                 (Box::new(Ball { radius: 20.0 }), 2.0),
             ] {
                 let measured = measure(&phantom(shape, pose, spacing), &measurement);
-                let error = measured.euler_characteristic.unwrap() - chi;
+                let error = measured.blurred.euler_characteristic.unwrap() - chi;
                 println!("{spacing:?} chi {chi}: {error:+.5}");
                 assert!(error.abs() < 0.01, "{spacing:?}: chi off by {error}");
             }
@@ -125,7 +125,7 @@ fn the_whole_zoo() {
         let measured = measure(&phantom, &Measurement::default().sigma_mm(1.8).thickness_mm(2.5));
         let truth = phantom.truth().expect("known");
         let errors = compensated_errors(&measured, &truth);
-        let chi = measured.euler_characteristic.unwrap() - truth.euler_characteristic as f64;
+        let chi = measured.blurred.euler_characteristic.unwrap() - truth.euler_characteristic as f64;
         println!("{name}: V {:+.3} A {:+.3} M {:+.3} %, chi {chi:+.4}", errors[0], errors[1], errors[2]);
         let voxels = measured.topology.euler_characteristic_voxels_26;
         if (0..3).any(|i| errors[i].abs() > bounds[i]) || chi.abs() > chi_bound {
@@ -144,10 +144,10 @@ fn plain_integrals_carry_the_known_bias() {
         let measured = measure(&phantom, &Measurement::default().sigma_mm(sigma).thickness_mm(2.5));
         let truth = phantom.truth().unwrap();
         let variance = 0.0327 * 2.5f64.powi(2);
-        let volume = measured.volume_mm3.unwrap() - truth.volume;
+        let volume = measured.blurred.volume_mm3.unwrap() - truth.volume;
         let expected = -(sigma * sigma - variance) * truth.total_mean_curvature;
         assert!(volume < 0.0 && (volume / expected - 1.0).abs() < 0.06, "sigma {sigma}: {volume} {expected}");
-        let area = measured.surface_area_mm2.unwrap() - truth.surface_area;
+        let area = measured.blurred.surface_area_mm2.unwrap() - truth.surface_area;
         // int H^2 of a sphere is 4 pi; the band adds its variance times int K = 4 pi.
         let expected = -4.0 * std::f64::consts::PI * (2.0 * sigma * sigma - variance);
         assert!(area < 0.0 && (area / expected - 1.0).abs() < 0.06, "sigma {sigma}: {area} {expected}");

@@ -26,11 +26,11 @@ fn tanh_agrees_with_sine_on_a_thick_enough_band() {
         let tanh = measure(&ball, &sigma_two().thickness_mm(thickness).delta(Smearing::Tanh));
         for m in [&sine, &tanh] {
             let errors = compensated_errors(m, &truth);
-            println!("t {thickness}: {errors:.3?} chi {:?}", m.euler_characteristic);
+            println!("t {thickness}: {errors:.3?} chi {:?}", m.blurred.euler_characteristic);
             assert!(errors.iter().all(|e| e.abs() < 0.25), "t {thickness}: {errors:?}");
-            assert!((m.euler_characteristic.unwrap() - 2.0).abs() < 0.03);
+            assert!((m.blurred.euler_characteristic.unwrap() - 2.0).abs() < 0.03);
         }
-        let change = tanh.volume_mm3.unwrap() / sine.volume_mm3.unwrap() - 1.0;
+        let change = tanh.blurred.volume_mm3.unwrap() / sine.blurred.volume_mm3.unwrap() - 1.0;
         assert!(change.abs() < 1e-3, "{change}");
     }
 }
@@ -46,7 +46,7 @@ fn the_level_moves_the_surface_by_the_edges_profile() {
         // The blur's own shift is -sigma^2 / R; the band adds 0.0327 t^2 to r^2.
         let r = radius + shift * sigma - sigma * sigma / radius;
         let area = 4.0 * std::f64::consts::PI * (r * r + 0.0327 * 6.25);
-        let found = m.surface_area_mm2.unwrap();
+        let found = m.blurred.surface_area_mm2.unwrap();
         println!("level {level}: {found} {area}");
         assert!((found / area - 1.0).abs() < 2e-3, "level {level}: {found} {area}");
     }
@@ -59,7 +59,7 @@ fn differences_lose_area() {
     let ball = phantom(Ball { radius: 20.0 }, poses()[1], [1.0; 3]);
     let loss = |sigma| {
         let m = Measurement::default().sigma_mm(sigma).thickness_mm(2.5);
-        let area = |d| measure(&ball, &m.derivatives(d)).surface_area_mm2.unwrap();
+        let area = |d| measure(&ball, &m.derivatives(d)).blurred.surface_area_mm2.unwrap();
         1.0 - area(Derivatives::FiniteDifference) / area(Derivatives::Gaussian)
     };
     println!("{:.5} {:.5}", loss(2.0), loss(1.5));
@@ -77,7 +77,7 @@ fn simpson_scatters_with_the_grid() {
                 let shift = f64::from(i) / 6.0;
                 let pose = Pose::new([0.0; 3], [shift, 0.7 * shift, 0.3 * shift]);
                 let m = sigma_two().quadrature(rule);
-                measure(&phantom(Ball { radius: 20.0 }, pose, [1.0; 3]), &m).surface_area_mm2.unwrap()
+                measure(&phantom(Ball { radius: 20.0 }, pose, [1.0; 3]), &m).blurred.surface_area_mm2.unwrap()
             })
             .collect();
         let mean = areas.iter().sum::<f64>() / areas.len() as f64;

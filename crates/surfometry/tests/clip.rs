@@ -51,21 +51,21 @@ fn rods_are_measured_between_the_cuts() {
             let (at_low, at_high) = (pose.to_shape([0.0, 0.0, low]), pose.to_shape([0.0, 0.0, high]));
             let tilt = (at_high[2] - at_low[2]) / (high - low);
             let length = (high - low) / tilt;
-            let (c, area) = (&measured.compensated, TAU * 12.0 * length);
+            let (c, area) = (&measured.values, TAU * 12.0 * length);
             assert_close("V", c.volume_mm3, PI * 144.0 * length, 0.25);
             assert_close("A", c.surface_area_mm2, area, 0.25);
             assert_close("M", c.total_mean_curvature_mm, area / 24.0, 0.4);
             assert_close("<H>", c.average_mean_curvature_per_mm, 1.0 / 24.0, 0.3);
             assert_close("sections", Some(clip.section_area_mm2), 2.0 * PI * 144.0 / tilt, 1.5);
             assert!(
-                measured.euler_characteristic.unwrap().abs() < 0.02,
+                measured.blurred.euler_characteristic.unwrap().abs() < 0.02,
                 "{:?}",
-                measured.euler_characteristic
+                measured.blurred.euler_characteristic
             );
             assert_eq!(measured.topology.euler_characteristic_mesh, Some(0));
             // With caps, <H> follows the cut.
             let capped = Measurement::default().run(&mask).unwrap();
-            let off = 24.0 * capped.compensated.average_mean_curvature_per_mm.unwrap() - 1.0;
+            let off = 24.0 * capped.average_mean_curvature_per_mm.unwrap() - 1.0;
             assert!(off.abs() > 0.02 && capped.clip.is_none(), "{off}");
         }
     }
@@ -84,7 +84,7 @@ fn boundaries_make_up_for_the_missing_curvature() {
         // The lower end may cut as well.
         let heights = ends(&mask, &clip, 2).map(|z| (z - (25.0 - offset)).clamp(-radius, radius));
         let zone = heights[1] - heights[0];
-        let c = &measured.compensated;
+        let c = &measured.values;
         assert_close("A", c.surface_area_mm2, TAU * radius * zone, 0.3);
         assert_close("M", c.total_mean_curvature_mm, TAU * zone, 0.4);
         let volume = |h: f64| PI * (radius * radius * h - h * h * h / 3.0);
@@ -92,9 +92,9 @@ fn boundaries_make_up_for_the_missing_curvature() {
         let sections = heights.iter().filter(|h| h.abs() < radius).count();
         let chi = 2.0 - sections as f64;
         assert!(
-            (measured.euler_characteristic.unwrap() - chi).abs() < 0.02,
+            (measured.blurred.euler_characteristic.unwrap() - chi).abs() < 0.02,
             "{:?}",
-            measured.euler_characteristic
+            measured.blurred.euler_characteristic
         );
         // Gauss-Bonnet on a zone of a ball, which the blur moves by sigma^2 / R^2 in relation.
         assert_close("boundary", Some(clip.boundary_curvature), TAU * (chi - zone / radius), 4.0);
@@ -103,7 +103,7 @@ fn boundaries_make_up_for_the_missing_curvature() {
         let dimensions = spacing.map(|h| (60.0 / h) as usize);
         let (measured, clip) =
             excluded(&cut(&Ball { radius: 27.0 }, &Pose::new([0.0; 3], shift), dimensions, spacing));
-        let chi = measured.euler_characteristic.unwrap();
+        let chi = measured.blurred.euler_characteristic.unwrap();
         assert!((chi - 1.0).abs() < 0.03, "{chi}");
         // Three corners of about a right angle, 3 pi / 2, and sections that bend the other way where they miss the centre.
         assert!((0.5 * PI..1.5 * PI).contains(&clip.boundary_curvature), "{clip:?}");
@@ -119,7 +119,7 @@ fn rings_that_are_cut() {
         let pose = Pose::new(degrees, [0.3, 0.2, up]);
         let mask = cut(&Torus { major: 30.0, minor: 9.0 }, &pose, [90, 90, 60], [1.0; 3]);
         let (measured, clip) = excluded(&mask);
-        let chi = measured.euler_characteristic.unwrap();
+        let chi = measured.blurred.euler_characteristic.unwrap();
         assert_eq!(measured.topology.euler_characteristic_mesh, Some(exact));
         assert!((chi - exact as f64).abs() < 0.03, "{chi} {clip:?}");
     }
@@ -131,11 +131,15 @@ fn whole_objects_and_thin_slabs() {
     let ball = cut(&Ball { radius: 12.0 }, &poses()[0], [40; 3], [1.0; 3]);
     let m = Measurement::default();
     let (capped, open) = (m.run(&ball).unwrap(), m.clip(Clip::Exclude).run(&ball).unwrap());
-    assert!(open.clip.is_none() && open.plain == capped.plain && open.flags == capped.flags);
+    assert!(
+        open.clip.is_none() && open.blurred.values == capped.blurred.values && open.flags == capped.flags
+    );
     let slab = cut(&Ball { radius: 20.0 }, &poses()[0], [60, 60, 9], [1.0; 3]);
     let (nothing, clip) = excluded(&slab);
     assert!(
-        nothing.surface_area_mm2.is_none() && nothing.volume_mm3.is_none() && clip.section_area_mm2 == 0.0
+        nothing.blurred.surface_area_mm2.is_none()
+            && nothing.blurred.volume_mm3.is_none()
+            && clip.section_area_mm2 == 0.0
     );
     assert!(
         nothing.flags.iter().any(|flag| flag.code.to_string() == "nothing-between-cuts"),

@@ -75,8 +75,8 @@ fn bias_is_quadratic_in_sigma_and_compensation_removes_that_order() {
         let mean = |value: fn(&Measured) -> Option<f64>| {
             results.iter().map(|r| value(r).unwrap()).sum::<f64>() / results.len() as f64 - exact
         };
-        plain.push((sigma, mean(|r| r.total_mean_curvature_mm)));
-        compensated.push((sigma, mean(|r| r.compensated.total_mean_curvature_mm)));
+        plain.push((sigma, mean(|r| r.blurred.total_mean_curvature_mm)));
+        compensated.push((sigma, mean(|r| r.total_mean_curvature_mm)));
     }
     assert!(plain.iter().all(|(_, e)| *e < 0.0));
     println!("plain {plain:?}\ncompensated {compensated:?}");
@@ -95,7 +95,7 @@ fn euler_error_of_differences_falls_with_the_fourth_power_of_sigma() {
     let phantom = phantom(Torus { major: 30.0, minor: 10.0 }, poses()[0], [1.0; 3]);
     let chi = |sigma, derivatives| {
         let m = Measurement::default().sigma_mm(sigma).thickness_mm(2.5).derivatives(derivatives);
-        measure(&phantom, &m).euler_characteristic.unwrap()
+        measure(&phantom, &m).blurred.euler_characteristic.unwrap()
     };
     let errors: Vec<(f64, f64)> =
         [1.5, 1.75, 2.0].map(|s| (s, chi(s, Derivatives::FiniteDifference))).to_vec();

@@ -4,7 +4,7 @@ mod common;
 
 use common::{codes, measure, phantom, poses};
 use surfometry::Measurement;
-use surfometry::measurement::{EmbeddingKind, Measured};
+use surfometry::measurement::{DescribedSurface, EmbeddingKind, Measured};
 use surfometry::phantoms::{Ball, Phantom, Pose, RoundedBox, Torus, TwoBalls};
 use surfometry::volume::{FieldImage, FieldValues, Grid, Mask};
 
@@ -21,8 +21,8 @@ fn raised(m: &Measured, code: &str) -> bool {
 fn a_good_measurement_is_not_flagged() {
     let m = ball(20.0, [1.0, 0.9, 0.8], &Measurement::default());
     assert!(codes(&m).is_empty(), "{:?}", codes(&m));
-    assert!(m.grid_noise.volume_mm3.is_some() && m.grid_noise.euler_characteristic.is_some());
-    assert!(m.compensated.standard_error.volume_mm3.is_some());
+    assert!(m.blurred.grid_noise.volume_mm3.is_some() && m.blurred.grid_noise.euler_characteristic.is_some());
+    assert!(m.standard_error.volume_mm3.is_some());
 }
 
 /// Where errors were not studied they are null, and it is said.
@@ -37,7 +37,7 @@ fn errors_that_are_not_modelled() {
     for measurement in unmodelled {
         let m = ball(20.0, [1.0; 3], &measurement);
         assert!(raised(&m, "not-computed"), "{measurement:?}");
-        assert!(m.grid_noise.volume_mm3.is_none() && m.compensated.standard_error.volume_mm3.is_none());
+        assert!(m.blurred.grid_noise.volume_mm3.is_none() && m.standard_error.volume_mm3.is_none());
     }
 }
 
@@ -46,7 +46,7 @@ fn errors_that_are_not_modelled() {
 fn the_band_against_the_mesh() {
     let m = Measurement::default();
     let (small, large) = (ball(4.0, [1.0; 3], &m), ball(20.0, [1.0; 3], &m));
-    let excess = |m: &Measured| m.surface_area_mm2.unwrap() / m.mesh.surface_area_mm2.unwrap() - 1.0;
+    let excess = |m: &Measured| m.blurred.surface_area_mm2.unwrap() / m.mesh.surface_area_mm2.unwrap() - 1.0;
     assert!(raised(&small, "band-differs-from-mesh") && excess(&small) > 0.05, "{}", excess(&small));
     assert!(!raised(&large, "band-differs-from-mesh") && excess(&large).abs() < 2e-3, "{}", excess(&large));
     // One cause, one flag: a band too thin for the slices is that, and not a matter of thin parts.
@@ -89,8 +89,11 @@ fn touching_the_border() {
     assert!(message.contains("first x (432.0 mm2), last z (180.0 mm2)"), "{message}");
     // The border is harmless: the cap closes the object, so the cube is the same wherever it lies.
     let (edge, middle) = (m.run(&cube(0)).unwrap(), m.run(&cube(2)).unwrap());
-    assert!((edge.surface_area_mm2.unwrap() / middle.surface_area_mm2.unwrap() - 1.0).abs() < 1e-6);
-    assert!((edge.euler_characteristic.unwrap() - 2.0).abs() < 0.05);
+    assert!(
+        (edge.blurred.surface_area_mm2.unwrap() / middle.blurred.surface_area_mm2.unwrap() - 1.0).abs()
+            < 1e-6
+    );
+    assert!((edge.blurred.euler_characteristic.unwrap() - 2.0).abs() < 0.05);
 }
 
 /// A box along the grid has flat faces, the same box turned has none; a ball's poles are no faces.
@@ -111,7 +114,7 @@ fn faces_along_the_grid() {
         }
     }
     // What the faces do to V is in its error.
-    let [wide, narrow] = [&straight, &turned].map(|m| m.compensated.standard_error.volume_mm3.unwrap());
+    let [wide, narrow] = [&straight, &turned].map(|m| m.standard_error.volume_mm3.unwrap());
     assert!(wide > 5.0 * narrow, "{wide} {narrow}");
 }
 
@@ -129,8 +132,8 @@ fn an_object_that_the_blur_removes_is_null_and_no_error() {
     for sigma in [4.0, 30.0, 1e6] {
         let gone = ball(4.0, [1.0; 3], &m.sigma_mm(sigma).thickness_mm(2.5));
         assert!(raised(&gone, "surface-vanished"), "sigma {sigma}");
-        assert!(gone.volume_mm3.is_none() && gone.euler_characteristic.is_none());
-        assert!(gone.compensated.volume_mm3.is_none());
+        assert!(gone.blurred.volume_mm3.is_none() && gone.blurred.euler_characteristic.is_none());
+        assert!(gone.volume_mm3.is_none());
         assert!(gone.voxels.count > 200 && gone.topology.components == 1);
     }
     assert!(!raised(&ball(4.0, [1.0; 3], &m.sigma_mm(1.5).thickness_mm(2.5)), "surface-vanished"));
@@ -160,7 +163,7 @@ fn bands_that_do_not_fit() {
     let m = Measurement::default();
     let empty = ball(12.0, [1.0; 3], &m.epsilon(1e-9));
     assert!(raised(&empty, "empty-band") && !raised(&empty, "surface-vanished"), "{:?}", codes(&empty));
-    assert!(empty.volume_mm3.unwrap() > 6000.0 && empty.surface_area_mm2.is_none());
+    assert!(empty.blurred.volume_mm3.unwrap() > 6000.0 && empty.blurred.surface_area_mm2.is_none());
     assert!(!raised(&ball(12.0, [1.0; 3], &m), "empty-band"));
     // A half-width counts as the thickness that it stands for.
     assert!(raised(&ball(12.0, [1.0; 3], &m.epsilon(0.05)), "thickness-below-spacing"));
@@ -182,8 +185,12 @@ fn plates_too_thin_to_compensate() {
     };
     let thin = plate(3);
     assert!(raised(&thin, "thin-for-sigma") && raised(&thin, "vanishing-gradient"), "{:?}", codes(&thin));
-    assert!(thin.total_squared_mean_curvature.unwrap() < 1e4, "{:?}", thin.total_squared_mean_curvature);
-    match thin.compensated.volume_mm3 {
+    assert!(
+        thin.blurred.total_squared_mean_curvature.unwrap() < 1e4,
+        "{:?}",
+        thin.blurred.total_squared_mean_curvature
+    );
+    match thin.volume_mm3 {
         Some(volume) => assert!((volume / 4800.0 - 1.0).abs() < 0.25, "{volume}"),
         None => assert!(raised(&thin, "compensation-failed")),
     }
@@ -206,15 +213,15 @@ fn compensation_that_fails_is_null() {
         Measurement::default().sigma_mm(sigma).run(&mask).unwrap()
     };
     let failed = rod(1, 1.4);
-    assert!(raised(&failed, "compensation-failed"), "{:?} {:?}", failed.voxels, failed.compensated.values);
-    assert!(failed.compensated.volume_mm3.is_none() && failed.compensated.surface_area_mm2.is_none());
-    assert!(failed.volume_mm3.is_some());
+    assert!(raised(&failed, "compensation-failed"), "{:?} {:?}", failed.voxels, failed.values);
+    assert!(failed.volume_mm3.is_none() && failed.surface_area_mm2.is_none());
+    assert!(failed.blurred.volume_mm3.is_some());
     // The rod is thin, and there is no gap beside it.
     assert!(raised(&failed, "thin-for-sigma") && !raised(&failed, "narrow-gap"));
     let told = failed.flags.iter().find(|flag| flag.code.to_string() == "compensation-failed");
     assert!(told.unwrap().message.contains("sigma is too large for this object"), "{told:?}");
     let fine = rod(5, 1.4);
-    assert!(!raised(&fine, "compensation-failed") && fine.compensated.volume_mm3.is_some());
+    assert!(!raised(&fine, "compensation-failed") && fine.volume_mm3.is_some());
 }
 
 /// Slices so thick that 2.5 of them do not fit the blur: the automatic band stays within it and says that it is thin.
@@ -249,7 +256,7 @@ fn euler_characteristics() {
     let m = Measurement::default();
     let pierced = m.run(&block(true)).unwrap();
     assert_eq!(pierced.topology.handles, 1);
-    assert!(raised(&pierced, "euler-differs-from-voxels"), "{:?}", pierced.euler_characteristic);
+    assert!(raised(&pierced, "euler-differs-from-voxels"), "{:?}", pierced.blurred.euler_characteristic);
     assert!(!raised(&m.run(&block(false)).unwrap(), "euler-differs-from-voxels"));
 }
 
@@ -257,7 +264,8 @@ fn euler_characteristics() {
 fn choices_without_compensation() {
     let m = Measurement::default();
     let level = ball(12.0, [1.0; 3], &m.level(0.4).thickness_mm(2.5));
-    assert!(raised(&level, "compensation-undefined") && level.compensated.volume_mm3.is_none());
+    assert!(raised(&level, "compensation-undefined") && level.standard_error.volume_mm3.is_none());
+    assert_eq!((level.surface, level.values), (DescribedSurface::Blurred, level.blurred.values));
     let distance = ball(12.0, [1.0; 3], &m.embedding(EmbeddingKind::Distance));
     assert!(raised(&distance, "distance-quantised") && raised(&distance, "compensation-undefined"));
     assert!(!raised(&ball(12.0, [1.0; 3], &m), "compensation-undefined"));

@@ -6,6 +6,7 @@ use common::codes;
 use std::f64::consts::PI;
 use surfometry::Measurement;
 use surfometry::integrals::{QuadratureRule, Smearing};
+use surfometry::measurement::DescribedSurface;
 use surfometry::phantoms::{Phantom, Pose, Torus};
 use surfometry::volume::{FieldImage, FieldValues, Grid};
 
@@ -51,7 +52,8 @@ fn an_exact_distance_gives_exact_integrals() {
             let volume = truth.volume + 0.0327 * 9.0 * truth.total_mean_curvature;
             assert!(relative(r.volume_mm3, volume).abs() < 1e-3, "{:?} {volume}", r.volume_mm3);
             assert!(r.euler_characteristic.unwrap().abs() < 5e-3, "{:?}", r.euler_characteristic);
-            assert!(r.compensated.volume_mm3.is_none());
+            assert_eq!((r.surface, r.values), (DescribedSurface::Given, r.blurred.values));
+            assert!(r.standard_error.volume_mm3.is_none());
             assert_eq!(r.topology.euler_characteristic_voxels_26, 0);
             assert!((r.parameters.epsilon / (1.5 * slope) - 1.0).abs() < 0.01, "{}", r.parameters.epsilon);
         }

@@ -11,7 +11,7 @@ use surfometry::integrals::{
 use surfometry::local_geometry::{
     BandVoxel, Curvature, Differentiation, GaussianDerivatives, Jet, MatchedDifferences,
 };
-use surfometry::measurement::{Derivatives, PlainValues};
+use surfometry::measurement::{Derivatives, SurfaceValues};
 use surfometry::phantoms::{Ellipsoid, Torus};
 use surfometry::surface::extract;
 use surfometry::tiling::{IndexBox, TILE};
@@ -22,10 +22,10 @@ fn torus(spacing: [f64; 3]) -> Vec<Mask> {
     poses().map(|pose| phantom(shape, pose, spacing).labels().unwrap().mask(1)).into_iter().collect()
 }
 
-fn plain(mask: &Mask, sigma: f64, derivatives: Derivatives) -> PlainValues {
+fn plain(mask: &Mask, sigma: f64, derivatives: Derivatives) -> SurfaceValues {
     // Both with the same cut, so that only the derivatives differ.
     let m = Measurement::default().sigma_mm(sigma).derivatives(derivatives).truncation(8.0);
-    m.run(mask).unwrap().plain
+    m.run(mask).unwrap().blurred.values
 }
 
 /// Asked of the default are 1e-3 in A and 0.005 in chi; here is the size that was measured (`experiments/matched_stencils`: 4.8e-4 and

@@ -54,14 +54,16 @@ fn the_corrected_field_is_differentiated_alike_in_both_ways() {
         };
         let (a, b) = (of(Derivatives::Gaussian), of(Derivatives::Matched));
         let apart = |a: Option<f64>, b: Option<f64>| (a.unwrap() / b.unwrap() - 1.0).abs();
-        assert!(apart(a.volume_mm3, b.volume_mm3) < 1e-4);
-        assert!(apart(a.surface_area_mm2, b.surface_area_mm2) < 1e-3);
-        assert!(apart(a.total_mean_curvature_mm, b.total_mean_curvature_mm) < 1e-3);
-        assert!((a.euler_characteristic.unwrap() - b.euler_characteristic.unwrap()).abs() < 5e-3);
+        assert!(apart(a.blurred.volume_mm3, b.blurred.volume_mm3) < 1e-4);
+        assert!(apart(a.blurred.surface_area_mm2, b.blurred.surface_area_mm2) < 1e-3);
+        assert!(apart(a.blurred.total_mean_curvature_mm, b.blurred.total_mean_curvature_mm) < 1e-3);
+        assert!(
+            (a.blurred.euler_characteristic.unwrap() - b.blurred.euler_characteristic.unwrap()).abs() < 5e-3
+        );
         // And it is the original object's: V, A and M of the torus, which the plain blur has 4, 2.5 and 0.3 % too small.
         let exact = torus.truth().unwrap();
         let off = |v: Option<f64>, exact: f64| 100.0 * (v.unwrap() / exact - 1.0);
-        let c = &b.compensated;
+        let c = &b.values;
         let found = [
             off(c.volume_mm3, exact.volume),
             off(c.surface_area_mm2, exact.surface_area),
@@ -194,10 +196,10 @@ fn grid_noise_is_the_spread_over_shifts() {
                 )
             })
             .collect();
-        let volumes: Vec<f64> = shapes.iter().filter_map(|m| m.volume_mm3).collect();
+        let volumes: Vec<f64> = shapes.iter().filter_map(|m| m.blurred.volume_mm3).collect();
         let mean = volumes.iter().sum::<f64>() / volumes.len() as f64;
         let (spread, told) =
-            (rms(volumes.iter().map(|v| v - mean)), shapes[0].grid_noise.volume_mm3.unwrap());
+            (rms(volumes.iter().map(|v| v - mean)), shapes[0].blurred.grid_noise.volume_mm3.unwrap());
         println!("{spacing:?}: V {mean:.1}, spread {spread:.3}, told {told:.3}");
         assert!((spread / told - 1.0).abs() < 0.4, "{spread} {told}");
     }
@@ -215,8 +217,7 @@ fn other_grids_agree_within_the_error_bars() {
             _ => phantom(Capsule { radius: 14.0, length: 30.0 }, pose, spacing),
         };
         for shape in 0..3 {
-            let measured =
-                grids.map(|spacing| measure(&on(shape, spacing), &Measurement::default()).compensated);
+            let measured = grids.map(|spacing| measure(&on(shape, spacing), &Measurement::default()).values);
             for (n, a) in measured.iter().enumerate() {
                 for b in &measured[n + 1..] {
                     let pairs = |v: &CompensatedValues| {

@@ -17,8 +17,8 @@ fn measured(shape: impl Shape + 'static, sigma: f64, derivatives: Derivatives) -
     let measurement = Measurement::default().sigma_mm(sigma).thickness_mm(2.5).derivatives(derivatives);
     let result = measurement.run(&phantom.labels().unwrap().mask(1)).unwrap();
     let truth = phantom.truth().unwrap();
-    let area = 100.0 * (result.surface_area_mm2.unwrap() / truth.surface_area - 1.0);
-    (area, result.euler_characteristic.unwrap())
+    let area = 100.0 * (result.blurred.surface_area_mm2.unwrap() / truth.surface_area - 1.0);
+    (area, result.blurred.euler_characteristic.unwrap())
 }
 
 fn check(shape: impl Shape + Copy + 'static, sigma: f64, fd4: (f64, f64), gaussian: (f64, f64)) {

@@ -107,5 +107,5 @@ fn what_is_wrong_is_said_as_for_whole_images() {
     // A blur that leaves nothing is no error, however wide it is.
     let mut reader = InSlabs { image: &image, slices: 40, next: 0 };
     let gone = Measurement::default().sigma_mm(1e4).run_slabs(&mut reader, &LabelSelection::All, |_| {});
-    assert!(gone.unwrap().results.iter().all(|(_, m)| m.plain.volume_mm3.is_none()));
+    assert!(gone.unwrap().results.iter().all(|(_, m)| m.blurred.values.volume_mm3.is_none()));
 }

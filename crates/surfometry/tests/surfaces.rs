@@ -47,10 +47,11 @@ fn mesh_and_band_agree_on_the_torus() {
     for pose in poses() {
         let mask = mask(&phantom(Torus { major: 30.0, minor: 10.0 }, pose, [1.0; 3]));
         let measured = Measurement::default().sigma_mm(3.0).thickness_mm(2.5).run(&mask).unwrap();
-        let area = relative(measured.mesh.surface_area_mm2.unwrap(), measured.surface_area_mm2.unwrap());
+        let area =
+            relative(measured.mesh.surface_area_mm2.unwrap(), measured.blurred.surface_area_mm2.unwrap());
         let mesh = measured.mesh.volume_mm3.unwrap();
-        let band = measured.volume_mm3.unwrap();
-        let bias = 0.0327 * 2.5 * 2.5 * measured.total_mean_curvature_mm.unwrap();
+        let band = measured.blurred.volume_mm3.unwrap();
+        let bias = 0.0327 * 2.5 * 2.5 * measured.blurred.total_mean_curvature_mm.unwrap();
         let (raw, unbiased) = (relative(mesh, band), relative(mesh, band - bias));
         println!("A {:+.3} %, V {:+.3} %, less the bias {:+.3} %", 1e2 * area, 1e2 * raw, 1e2 * unbiased);
         assert!(area.abs() < 3e-3);
@@ -77,10 +78,10 @@ fn voxel_maps_sum_to_the_integrals() {
         };
         let ones = vec![1.0; halo.voxels()];
         let close = |a: f64, b: Option<f64>| assert!(relative(a, b.unwrap()).abs() < 1e-5, "{a} {b:?}");
-        close(integral(&ones), measured.surface_area_mm2);
-        close(integral(map(VoxelQuantity::MeanCurvature).values()), measured.total_mean_curvature_mm);
+        close(integral(&ones), measured.blurred.surface_area_mm2);
+        close(integral(map(VoxelQuantity::MeanCurvature).values()), measured.blurred.total_mean_curvature_mm);
         let total = integral(map(VoxelQuantity::GaussianCurvature).values());
-        assert!((total - measured.total_gaussian_curvature.unwrap()).abs() < 1e-3);
+        assert!((total - measured.blurred.total_gaussian_curvature.unwrap()).abs() < 1e-3);
         let inside = map(VoxelQuantity::Phi).values().iter().filter(|v| **v < 0.0).count();
         let band = map(VoxelQuantity::Band);
         assert!(inside > 1000 && band.values().iter().all(|v| *v == 0.0 || *v == 1.0));
@@ -105,7 +106,7 @@ fn a_cut_objects_map_misses_the_cap() {
     let sum = |region: &surfometry::tiling::IndexBox| -> f64 {
         object.voxel_map(VoxelQuantity::Delta, region).unwrap().values().iter().map(|v| f64::from(*v)).sum()
     };
-    let area = measured.surface_area_mm2.unwrap();
+    let area = measured.blurred.surface_area_mm2.unwrap();
     assert!(relative(sum(&grid.index_box().grown([9; 3])), area).abs() < 1e-5);
     let inside = sum(&grid.index_box());
     // Half of the cap's band: the cap is a disc of the ball's radius, a fifth to a third of the half ball's area.
@@ -235,10 +236,10 @@ fn vertices_add_up_to_the_integrals() {
         surface.values(quantity).unwrap().iter().zip(&areas).map(|(v, a)| v * a).sum()
     };
     let mean = total(LocalQuantity::MeanCurvature);
-    assert!(relative(mean, measured.total_mean_curvature_mm.unwrap()).abs() < 0.01, "{mean}");
+    assert!(relative(mean, measured.blurred.total_mean_curvature_mm.unwrap()).abs() < 0.01, "{mean}");
     assert!((total(LocalQuantity::GaussianCurvature) / (2.0 * PI)).abs() < 0.1);
     // The integral of the shift -sigma^2 H is the volume that the blur took, to first order.
-    let taken = measured.volume_mm3.unwrap() - measured.compensated.volume_mm3.unwrap();
+    let taken = measured.blurred.volume_mm3.unwrap() - measured.volume_mm3.unwrap();
     assert!(relative(total(LocalQuantity::Displacement), taken).abs() < 0.1);
 
     let ball = self::mask(&phantom(Ball { radius: 20.0 }, poses()[0], [1.0; 3]));

@@ -13,7 +13,7 @@ fn four_sigma_is_far_enough_for_differences() {
     let phantom = phantom(Torus { major: 20.0, minor: 8.0 }, poses()[0], [1.0, 0.8, 1.1]);
     let base = Measurement::default().sigma_mm(2.0).thickness_mm(3.0).derivatives(Derivatives::Matched);
     let at = |m: &Measurement| {
-        let p = measure(&phantom, m).plain;
+        let p = measure(&phantom, m).blurred.values;
         [p.volume_mm3, p.surface_area_mm2, p.total_mean_curvature_mm].map(Option::unwrap)
     };
     let (default, whole) = (at(&base), at(&base.truncation(8.0)));
@@ -31,9 +31,9 @@ fn five_sigma_is_far_enough_and_three_is_not() {
         let m = m.derivatives(Derivatives::Gaussian);
         let measured = measure(&phantom, &m);
         [
-            measured.volume_mm3.unwrap(),
-            measured.surface_area_mm2.unwrap(),
-            measured.total_mean_curvature_mm.unwrap(),
+            measured.blurred.volume_mm3.unwrap(),
+            measured.blurred.surface_area_mm2.unwrap(),
+            measured.blurred.total_mean_curvature_mm.unwrap(),
         ]
     };
     let reference = at(8.0);
@@ -58,7 +58,7 @@ fn a_wide_blur_is_cut_as_well() {
             &phantom,
             &Measurement::default().sigma_mm(10.0).thickness_mm(5.0).truncation(truncation),
         );
-        (m.euler_characteristic.unwrap(), m.total_mean_curvature_mm.unwrap())
+        (m.blurred.euler_characteristic.unwrap(), m.blurred.total_mean_curvature_mm.unwrap())
     };
     let ((chi, mean), (whole_chi, whole_mean)) = (at(5.0), at(8.0));
     println!("chi {chi} {whole_chi}, M {:e}", mean / whole_mean - 1.0);

@@ -66,7 +66,7 @@ fn voxels_of_a_mesh_are_those_of_its_shape() {
         for spacing in [[1.0; 3], [0.8, 1.0, 1.4]] {
             let mask = voxels(&mesh, spacing);
             let measured = Measurement::default().run(&mask).unwrap();
-            let c = &measured.compensated;
+            let c = &measured.values;
             // The mesh's own integrals are the truth here; M has none that simple.
             let within = |value: Option<f64>, exact: f64, percent: f64| {
                 let off = 100.0 * (value.unwrap() / exact - 1.0);

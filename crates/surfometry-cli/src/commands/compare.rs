@@ -13,7 +13,7 @@ use surfometry::statistics::{Agreement, Bootstrap, ConfusionMatrix, Estimate};
 ///
 /// Tables are CSV files as `measure --format csv` writes them, or any others with a column `input`; objects are matched by
 /// the columns input and label, and by file names without folders where folders differ. Bias is METHOD minus STANDARD.
-/// Give the same file twice to compare two of its columns, as compensated_volume_mm3:truth_volume_mm3.
+/// Give the same file twice to compare two of its columns, as volume_mm3:truth_volume_mm3.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
     /// Table of the method

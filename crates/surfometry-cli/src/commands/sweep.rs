@@ -39,7 +39,7 @@ pub(crate) struct Args {
     /// objects, `_NAME` and `_label-N` go before the ending
     #[arg(long, value_name = "FILE.png|.svg")]
     chart: Option<PathBuf>,
-    /// What the chart shows instead: names of columns of --format csv, such as average_mean_curvature_per_mm,compensated_volume_mm3
+    /// What the chart shows instead: names of columns of --format csv, such as average_mean_curvature_per_mm,blurred_volume_mm3
     #[arg(long, value_delimiter = ',', value_name = "NAME", requires = "chart")]
     measures: Vec<String>,
     /// Pictures of the surface along the way, all in the colours of the first; the value, such as `_sigma-2`, goes before the ending
@@ -267,15 +267,15 @@ fn table(over: Swept, output: &Output) -> String {
     let columns = [
         "label",
         over.heading(),
-        "V blurred",
-        "original",
+        "V",
         "\u{b1}",
-        "A blurred",
-        "original",
+        "blurred",
+        "A",
         "\u{b1}",
-        "M blurred",
-        "original",
+        "blurred",
+        "M",
         "\u{b1}",
+        "blurred",
         "chi",
         "chi mesh",
         "flags",
@@ -289,28 +289,28 @@ fn table(over: Swept, output: &Output) -> String {
         format!("{}\n{}", records[0].input, layout.text())
     };
     let text = by_input.map(text_of).collect::<Vec<_>>().join("\n");
-    text + "\nV mm\u{b3}, A mm\u{b2}, M = total H mm; blurred: of the smoothed object; original: with the smoothing's shift undone, and its standard error.\n"
+    text + "\nV mm\u{b3}, A mm\u{b2}, M = total H mm of the object as it was segmented, with standard errors; blurred: of the smoothed surface.\n"
 }
 
 fn row(over: Swept, record: &Record) -> Vec<String> {
     let m = &record.measured;
     let number = |v: Option<f64>| v.map_or_else(|| "-".to_owned(), digits);
     let rough = |v: Option<f64>| v.map_or_else(|| "-".to_owned(), |v| format!("{v:.2e}"));
-    let (c, e) = (&m.compensated, &m.compensated.standard_error);
+    let (e, b) = (&m.standard_error, &m.blurred);
     let codes: Vec<String> = m.flags.iter().map(|flag| flag.code.to_string()).collect();
     vec![
         record.label.as_ref().map_or_else(String::new, ToString::to_string),
         number(over.of(record)),
         number(m.volume_mm3),
-        number(c.volume_mm3),
         rough(e.volume_mm3),
+        number(b.volume_mm3),
         number(m.surface_area_mm2),
-        number(c.surface_area_mm2),
         rough(e.surface_area_mm2),
+        number(b.surface_area_mm2),
         number(m.total_mean_curvature_mm),
-        number(c.total_mean_curvature_mm),
         rough(e.total_mean_curvature_mm),
-        m.euler_characteristic.map_or_else(|| "-".to_owned(), |chi| format!("{chi:.2}")),
+        number(b.total_mean_curvature_mm),
+        b.euler_characteristic.map_or_else(|| "-".to_owned(), |chi| format!("{chi:.2}")),
         m.topology.euler_characteristic_mesh.map_or_else(|| "-".to_owned(), |chi| chi.to_string()),
         codes.join(";"),
     ]

@@ -85,8 +85,21 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
 }
 
 const COLUMNS: [&str; 15] = [
-    "shape", "R", "ratio", "V plain", "A plain", "M plain", "V", "A", "M", "95 %", "chi", "local H", "K",
-    "place", "95 % H K",
+    "shape",
+    "R",
+    "ratio",
+    "V blurred",
+    "A blurred",
+    "M blurred",
+    "V",
+    "A",
+    "M",
+    "95 %",
+    "chi",
+    "local H",
+    "K",
+    "place",
+    "95 % H K",
 ];
 
 fn table(summaries: &[Summary]) -> String {
@@ -96,7 +109,7 @@ fn table(summaries: &[Summary]) -> String {
         let short =
             |v: Option<f64>, digits: usize| v.map_or_else(|| "-".to_owned(), |v| format!("{v:.digits$}"));
         let name = if s.tuned { s.shape.to_owned() } else { format!("{} *", s.shape) };
-        let (p, c) = (&s.worst_plain, &s.worst_compensated);
+        let (p, c) = (&s.worst_blurred, &s.worst_original);
         layout.row(vec![
             name,
             format!("{}", s.resolution),
@@ -117,7 +130,7 @@ fn table(summaries: &[Summary]) -> String {
     }
     layout.text()
         + "\nR: 1 / rms of the larger principal curvature, in units of the largest spacing; ratio: largest over smallest spacing; * constants were not tuned on \
-           such shapes.\nV, A, M: the largest error over the poses, in % of the exact value, of the blurred (plain) and of the original object (compensated); \
-           95 %: share of the compensated values within 1.96 standard errors.\nchi: the largest error of Gauss-Bonnet; ! where the mesh's differs. local H, K: rms error at \
+           such shapes.\nV, A, M: the largest error over the poses, in % of the exact value, of the blurred and of the original object; \
+           95 %: share of the original object's values within 1.96 standard errors.\nchi: the largest error of Gauss-Bonnet; ! where the mesh's differs. local H, K: rms error at \
            the vertices in % of 1/R and 1/R^2; place: rms distance from the exact surface in voxels; 95 % H K: share of the surface within the error bars.\n"
 }

@@ -2,8 +2,8 @@
 
 use comfy_table::{CellAlignment, Table, presets};
 use std::fmt::Write;
-use surfometry::accuracy::{Flag, FlagCode};
-use surfometry::measurement::{ChangeStage, EmbeddingKind};
+use surfometry::accuracy::{CompensatedIntegrals, CompensationTerms, Flag, FlagCode};
+use surfometry::measurement::{ChangeStage, DescribedSurface, EmbeddingKind, SurfaceValues};
 use surfometry::runs::{Output, Record};
 
 /// A plain table with columns of numbers.
@@ -34,8 +34,8 @@ pub(crate) fn table_text(output: &Output, explain: bool) -> String {
     let by_input = output.results.chunk_by(|a, b| a.input == b.input);
     let mut text = by_input.map(|records| input_text(records, explain)).collect::<Vec<_>>().join("\n");
     if output.results.iter().any(|r| r.measured.parameters.sigma_mm.is_some()) {
-        text += "\nblurred: of the smoothed object; original: with the smoothing's shift undone, s.e.: its standard error; voxels: counted. H > 0 on a ball; \
-                 chi is the surface's (ball 2, torus 0).\n";
+        text += "\noriginal: the object as it was segmented, s.e.: its standard error; blurred: the smoothed surface that was \
+                 integrated over; voxels: counted. H > 0 on a ball; chi is the surface's (ball 2, torus 0).\n";
     }
     text
 }
@@ -104,59 +104,21 @@ fn name_in_table(record: &Record) -> String {
 
 fn rows(record: &Record, explain: bool) -> Vec<Vec<String>> {
     let m = &record.measured;
-    let number = |v: Option<f64>| v.map_or_else(|| "-".to_owned(), digits);
-    let label = name_in_table(record);
-    // Rounded before it is printed, and 0 added, so that no -0.000 appears.
-    let thousandths = |chi: f64| (chi * 1000.0).round() / 1000.0 + 0.0;
-    let chi = |v: Option<f64>| v.map_or_else(|| "-".to_owned(), |chi| format!("{:.3}", thousandths(chi)));
-    let c = &m.compensated;
-    let mut rows = vec![vec![
-        label,
-        surface_name(m.parameters.embedding).to_owned(),
-        number(m.volume_mm3),
-        number(m.surface_area_mm2),
-        number(m.total_mean_curvature_mm),
-        number(m.average_mean_curvature_per_mm),
-        chi(m.euler_characteristic),
-        m.topology.euler_characteristic_mesh.map_or_else(|| "-".to_owned(), |chi| chi.to_string()),
-    ]];
-    if let Some(terms) = m.compensation.filter(|_| explain) {
-        let signed = |v: f64| format!("{}{}", if v < 0.0 { "- " } else { "+ " }, digits(v.abs()));
-        let causes =
-            [("blur's shift", terms.shift), ("band's width", terms.band), ("terraces", terms.terraces)];
-        for (name, term) in causes {
-            rows.push(vec![
-                String::new(),
-                name.to_owned(),
-                signed(term.volume),
-                signed(term.area),
-                signed(term.mean),
-            ]);
+    let mesh = m.topology.euler_characteristic_mesh.map_or_else(|| MISSING.to_owned(), |chi| chi.to_string());
+    let mut blurred = value_row(embedding_name(m.parameters.embedding), &m.blurred);
+    blurred.extend([thousandths(m.blurred.euler_characteristic), mesh]);
+    let mut rows = Vec::new();
+    if m.surface == DescribedSurface::Original {
+        let mut original = value_row("original", &m.values);
+        original.push(m.values.euler_characteristic.map_or_else(|| MISSING.to_owned(), digits));
+        rows.push(original);
+        if m.standard_error.volume_mm3.is_some() {
+            rows.push(error_row(&m.standard_error));
         }
     }
-    if m.parameters.embedding.is_blur() {
-        rows.push(vec![
-            String::new(),
-            "original".to_owned(),
-            number(c.volume_mm3),
-            number(c.surface_area_mm2),
-            number(c.total_mean_curvature_mm),
-            number(c.average_mean_curvature_per_mm),
-        ]);
-        let e = &c.standard_error;
-        if e.volume_mm3.is_some() {
-            let error = |v: Option<f64>| {
-                v.map_or_else(|| "-".to_owned(), |v| format!("\u{b1} {}", significant(v, 2)))
-            };
-            rows.push(vec![
-                String::new(),
-                "s.e.".to_owned(),
-                error(e.volume_mm3),
-                error(e.surface_area_mm2),
-                error(e.total_mean_curvature_mm),
-                error(e.average_mean_curvature_per_mm),
-            ]);
-        }
+    rows.push(blurred);
+    if explain {
+        rows.extend(m.compensation.iter().flat_map(term_rows));
     }
     rows.push(vec![
         String::new(),
@@ -167,24 +129,66 @@ fn rows(record: &Record, explain: bool) -> Vec<Vec<String>> {
         String::new(),
         m.topology.euler_characteristic_voxels_26.to_string(),
     ]);
-    if let Some(truth) = m.truth {
-        rows.push(vec![
-            String::new(),
-            "exact".to_owned(),
-            digits(truth.volume),
-            digits(truth.surface_area),
-            digits(truth.total_mean_curvature),
-            digits(truth.average_mean_curvature),
-            truth.euler_characteristic.to_string(),
-        ]);
+    if let Some(truth) = record.truth {
+        let sizes =
+            [truth.volume, truth.surface_area, truth.total_mean_curvature, truth.average_mean_curvature];
+        let mut row = vec![String::new(), "exact".to_owned()];
+        row.extend(sizes.map(digits));
+        row.push(truth.euler_characteristic.to_string());
+        rows.push(row);
     }
+    rows[0][0] = name_in_table(record);
     rows
+}
+
+/// What stands for a number that could not be had.
+const MISSING: &str = "-";
+
+fn sizes(values: &SurfaceValues) -> [Option<f64>; 4] {
+    [
+        values.volume_mm3,
+        values.surface_area_mm2,
+        values.total_mean_curvature_mm,
+        values.average_mean_curvature_per_mm,
+    ]
+}
+
+fn value_row(name: &str, values: &SurfaceValues) -> Vec<String> {
+    let number = |value: Option<f64>| value.map_or_else(|| MISSING.to_owned(), digits);
+    let mut row = vec![String::new(), name.to_owned()];
+    row.extend(sizes(values).map(number));
+    row
+}
+
+fn error_row(errors: &SurfaceValues) -> Vec<String> {
+    let error = |value: Option<f64>| {
+        value.map_or_else(|| MISSING.to_owned(), |value| format!("\u{b1} {}", significant(value, 2)))
+    };
+    let mut row = vec![String::new(), "s.e.".to_owned()];
+    row.extend(sizes(errors).map(error));
+    row
+}
+
+/// What compensation adds to the blurred values, cause by cause.
+fn term_rows(terms: &CompensationTerms) -> Vec<Vec<String>> {
+    let signed = |v: f64| format!("{}{}", if v < 0.0 { "- " } else { "+ " }, digits(v.abs()));
+    let causes = [("blur's shift", terms.shift), ("band's width", terms.band), ("terraces", terms.terraces)];
+    let row = |(name, term): (&str, CompensatedIntegrals)| {
+        vec![String::new(), name.to_owned(), signed(term.volume), signed(term.area), signed(term.mean)]
+    };
+    causes.into_iter().map(row).collect()
+}
+
+/// An Euler characteristic by Gauss and Bonnet. It is rounded before it is printed, and 0 is added, so that no -0.000
+/// appears.
+fn thousandths(chi: Option<f64>) -> String {
+    chi.map_or_else(|| MISSING.to_owned(), |chi| format!("{:.3}", (chi * 1000.0).round() / 1000.0 + 0.0))
 }
 
 /// Labels that a warning names before it only counts them.
 const SHOWN_LABELS: usize = 12;
 
-fn surface_name(embedding: EmbeddingKind) -> &'static str {
+fn embedding_name(embedding: EmbeddingKind) -> &'static str {
     match embedding {
         EmbeddingKind::Gaussian => "blurred",
         EmbeddingKind::Corrected => "corrected",

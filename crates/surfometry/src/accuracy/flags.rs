@@ -3,11 +3,11 @@
 use crate::integrals::Integrals;
 use crate::surface::SurfaceSummary;
 use crate::volume::Spacing;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use std::fmt;
 
 /// What can be doubtful about a result; each is explained in docs/flags.md.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 #[non_exhaustive]
 pub enum FlagCode {
@@ -68,7 +68,7 @@ impl fmt::Display for FlagCode {
 }
 
 /// A warning: a code for machines and a sentence for people.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Flag {
     /// Which.
     pub code: FlagCode,
@@ -229,7 +229,7 @@ fn band_flags(e: &Evidence) -> Vec<Flag> {
     if e.corrected && e.sigma.is_some_and(|sigma| e.thickness > CORRECTED_THICKNESS * sigma) {
         let message = format!(
             "the band is {:.4} mm thick, more than 1.6 sigma, where the corrected field is no longer steep: its integrals are biased; use \
-             --embedding gaussian, whose compensated values are the original object's, or a larger --sigma",
+             --embedding gaussian, whose original object's numbers have no such limit, or a larger --sigma",
             e.thickness
         );
         flags.push(Flag::new(FlagCode::CorrectedBand, message));
@@ -341,7 +341,7 @@ fn shape_flags(e: &Evidence) -> Vec<Flag> {
         flags.push(Flag::new(FlagCode::ThinForSigma, message));
     } else if off.abs() > VOLUME_TOLERANCE {
         let message = format!(
-            "the compensated volume is {:+.1} % off the voxels': parts thinner than about 3 sigma = {least:.3} mm are \
+            "the original's volume is {:+.1} % off the voxels': parts thinner than about 3 sigma = {least:.3} mm are \
              affected; use a smaller --sigma",
             100.0 * off
         );
@@ -350,7 +350,7 @@ fn shape_flags(e: &Evidence) -> Vec<Flag> {
     flags.extend(narrow_flags(e, sigma, &flags));
     if e.compensation_failed() {
         let message = format!(
-            "the blur took {:.0} % of the volume away and the compensated volume would be {:+.0} % off the voxels', so the compensated values are \
+            "the blur took {:.0} % of the volume away and the original's volume would be {:+.0} % off the voxels', so the original's numbers are \
              null: sigma is too large for this object, and what is gone cannot be brought back; use a smaller --sigma",
             100.0 * (1.0 - plain.volume / e.voxel_volume),
             100.0 * off

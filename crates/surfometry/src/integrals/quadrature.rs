@@ -1,10 +1,10 @@
 //! Weights with which voxels enter an integral.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use std::ops::Range;
 
 /// How a volume integral is summed.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum QuadratureRule {
     /// Every voxel counts its volume. On a band of compact support this is the trapezoid rule, which is spectrally

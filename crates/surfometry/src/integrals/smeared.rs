@@ -1,10 +1,10 @@
 //! Smeared Heaviside and delta.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use std::f64::consts::{FRAC_1_PI, PI};
 
 /// Profile of the smeared delta.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Smearing {
     /// (1 + cos(pi x / eps)) / (2 eps) on |x| <= eps (the paper).

@@ -7,11 +7,11 @@ use crate::integrals::Band;
 use crate::local_geometry::{BandVoxel, Differentiation};
 use crate::tiling::IndexBox;
 use crate::volume::Mask;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use std::fmt;
 
 /// What becomes of an object where the edge of the image cuts it.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Clip {
     /// It is closed there with a flat cap, as the paper does: volume, area and curvature are those of a closed object.
@@ -52,7 +52,7 @@ pub(super) struct MeasuredPart {
 }
 
 /// Where an object that the image cuts was measured.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct ClipSummary {
     /// What was done where the image cuts the object.
     pub mode: Clip,

@@ -5,11 +5,11 @@ use crate::accuracy::{FlagCode, decimals_for, place_text};
 use crate::tiling::Block;
 use crate::topology::{ChangeKind, TopologyChange, topology_changes};
 use crate::volume::{Grid, Mask};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use std::fmt::Write;
 
 /// Between which two objects topology changed.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum ChangeStage {
     /// From the voxels to what is inside the surface phi = 0.
@@ -19,7 +19,7 @@ pub enum ChangeStage {
 }
 
 /// A change of topology with its place.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct LocatedChange {
     /// Between what.
     pub stage: ChangeStage,
@@ -174,7 +174,7 @@ impl Measured {
                 }
                 FlagCode::EulerNotInteger => {
                     let _ = write!(flag.message, ". Between the band's levels: {}", found(ChangeStage::Band));
-                    if let Some((measured, expected)) = self.plain.euler_characteristic.zip(expected) {
+                    if let Some((measured, expected)) = self.blurred.euler_characteristic.zip(expected) {
                         let rest = measured - expected;
                         let _ = write!(
                             flag.message,

@@ -19,8 +19,8 @@ pub use local_curvature::CurvatureScale;
 pub use object::Object;
 pub use parameters::{Derivatives, EmbeddingKind, MeasureError, Parameters};
 pub use result::{
-    CompensatedValues, GridSummary, Measured, MeshSummary, PlainValues, StageSeconds, TopologySummary,
-    UncertainValues, VoxelSummary,
+    BlurredValues, DescribedSurface, GridSummary, Measured, MeshSummary, StageSeconds, SurfaceValues,
+    TopologySummary, VoxelSummary,
 };
 pub use streaming::{Progress, StreamError, Streamed};
 pub use voxel_map::VoxelQuantity;
@@ -31,7 +31,7 @@ use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
-/// How to measure; the defaults are those of DESIGN.md 3.
+/// How to measure. The defaults, and why they are what they are, stand in docs/decisions.md.
 ///
 /// ```
 /// use surfometry::Measurement;
@@ -50,6 +50,7 @@ pub struct Measurement {
     pub(crate) epsilon: Option<f64>,
     pub(crate) level: f64,
     pub(crate) clip: Clip,
+    pub(crate) surface: Option<DescribedSurface>,
     truncation: Option<f64>,
 }
 
@@ -65,6 +66,7 @@ impl Default for Measurement {
             epsilon: None,
             level: 0.5,
             clip: Clip::Cap,
+            surface: None,
             truncation: None,
         }
     }
@@ -72,13 +74,18 @@ impl Default for Measurement {
 
 /// Setters, each of which gives back the measurement, so that they can be chained.
 impl Measurement {
-    /// The paper's choices: fourth-order differences, Simpson's rule, sigma 2.0 mm, t 2.5 mm, level 0.5, sine.
+    /// The paper's choices: fourth-order differences, Simpson's rule, sigma 2.0 mm, t 2.5 mm, level 0.5, sine; its numbers
+    /// are those of the blurred surface.
     #[must_use]
     pub fn paper() -> Self {
-        Self { quadrature: QuadratureRule::Simpson, ..Self::default() }
-            .derivatives(Derivatives::FiniteDifference)
-            .sigma_mm(2.0)
-            .thickness_mm(2.5)
+        Self {
+            quadrature: QuadratureRule::Simpson,
+            surface: Some(DescribedSurface::Blurred),
+            ..Self::default()
+        }
+        .derivatives(Derivatives::FiniteDifference)
+        .sigma_mm(2.0)
+        .thickness_mm(2.5)
     }
 
     /// Standard deviation of the blur in mm; `None`, the default, follows the spacing.
@@ -163,7 +170,7 @@ impl Measurement {
             let mask = image.group_mask(&group);
             let extraction = start.elapsed().as_secs_f64();
             let mut measured = self.run(&mask)?;
-            measured.seconds += extraction;
+            measured.timings.integrals += extraction;
             progress(done.fetch_add(1, Ordering::Relaxed) + 1, total);
             Ok((group, measured))
         };

@@ -4,7 +4,7 @@ use super::clip::{CutObject, MeasuredPart};
 use super::pass::{ObjectSums, Pass};
 use super::scheme::Scheme;
 use super::setup::{OpenPart, Setup, Totals};
-use super::{EmbeddingKind, MeasureError, Measured, Measurement, Parameters, PlainValues, UncertainValues};
+use super::{EmbeddingKind, MeasureError, Measured, Measurement, Parameters, SurfaceValues};
 use crate::integrals::{Band, Integrals, Quadrature, SmearedDelta};
 use crate::local_geometry::{FiniteDifferences, MINIMUM_POINTS};
 use crate::surface::{Surface, VertexExtras};
@@ -171,8 +171,8 @@ impl Object<'_> {
         self.part.map(|part| part.region)
     }
 
-    /// The integrals alone, plain and compensated, without mesh, topology and flags.
-    pub fn integrals(&self) -> (PlainValues, UncertainValues) {
+    /// Integrals over phi = 0, and V, A, M and M / A of the original object, without mesh, topology and flags.
+    pub fn integrals(&self) -> [SurfaceValues; 2] {
         self.setup.values(&self.sums(false), self.open().as_ref())
     }
 

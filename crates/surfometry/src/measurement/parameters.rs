@@ -8,11 +8,11 @@ use crate::embedding::EdgeProfile;
 use crate::integrals::{QuadratureRule, Smearing};
 use crate::local_geometry::MatchedDifferences;
 use crate::volume::{Spacing, VolumeError};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 /// How an object becomes a field.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum EmbeddingKind {
     /// The blurred indicator (the paper).
@@ -49,7 +49,7 @@ impl EmbeddingKind {
 }
 
 /// How the field is differentiated.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Derivatives {
     /// Convolution with derivatives of the Gaussian.
@@ -137,7 +137,7 @@ pub enum MeasureError {
 }
 
 /// The choices that a result was made with.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Parameters {
     /// Embedding.
     pub embedding: EmbeddingKind,

@@ -1,30 +1,53 @@
-//! What a measurement gives; names and units as in the JSON contract (DESIGN.md 4).
+//! What a measurement gives; names and units as in the JSON contract (docs/contract.md).
 
 use super::{ClipSummary, LocatedChange, Parameters};
 use crate::accuracy::{CompensatedIntegrals, CompensationTerms, Flag, IntegralErrors};
 use crate::integrals::Integrals;
-use crate::phantoms::Truth;
 use crate::surface::SurfaceSummary;
 use crate::tiling::IndexBox;
 use crate::topology::VoxelTopology;
 use crate::volume::Grid;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
+use std::fmt;
 
 /// Where there is no model of errors.
-pub(super) const NO_ERRORS: &str = "standard errors are modelled for the Gaussian and the corrected embedding at level 0.5, Gaussian or matched derivatives, the sum, \
-     and a sigma of at least 1.2 voxels (geometric mean); compensated.standard_error and grid_noise are null";
+pub(super) const NO_ERRORS: &str = "standard errors are modelled for the Gaussian and the corrected embedding at level 0.5, Gaussian or matched \
+     derivatives, the sum, and a sigma of at least 1.2 voxels (geometric mean); standard_error and blurred.grid_noise \
+     are null";
 
-/// All results for one object. `None` is a number that could not be had; a flag says why.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+/// Which surface the unqualified numbers of a result describe.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum DescribedSurface {
+    /// The object's as it was segmented.
+    Original,
+    /// That of the embedding, phi = 0.
+    Blurred,
+    /// The zero level of a field that was given.
+    Given,
+}
+
+impl fmt::Display for DescribedSurface {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.serialize(f)
+    }
+}
+
+/// All results for one object, which [`Deref`](std::ops::Deref) to the numbers that one takes first: those of `surface`.
+/// `None` is a number that could not be had; a flag says why.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Measured {
-    /// Of the blurred object.
+    /// Which surface `values` and `standard_error` describe.
+    pub surface: DescribedSurface,
+    /// The numbers. The original's Euler characteristic is exact: that of its voxels, 26-connected, or, of the part
+    /// between cuts, that of the mesh; its bending energy cannot be had.
     #[serde(flatten)]
-    pub plain: PlainValues,
-    /// Of the original object.
-    pub compensated: UncertainValues,
-    /// Spread of the plain values over sub-voxel shifts.
-    pub grid_noise: PlainValues,
+    pub values: SurfaceValues,
+    /// Standard errors of `values`.
+    pub standard_error: SurfaceValues,
+    /// Integrals over phi = 0.
+    pub blurred: BlurredValues,
     /// The surface phi = 0 as a mesh.
     pub mesh: MeshSummary,
     /// Counted voxels.
@@ -33,20 +56,13 @@ pub struct Measured {
     pub topology: TopologySummary,
     /// Where the object was measured, where its image cuts it and that was left out.
     pub clip: Option<ClipSummary>,
-    /// Exact integrals, for phantoms.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub truth: Option<Truth>,
     /// The choices behind the numbers.
     pub parameters: Parameters,
     /// The image.
     pub grid: GridSummary,
     /// Warnings.
     pub flags: Vec<Flag>,
-    /// Time to read and decode the input, s.
-    pub read_seconds: Option<f64>,
-    /// Time from the decoded labels to all integrals, s.
-    pub seconds: f64,
-    /// What compensation added to the plain values, by cause; not part of the records.
+    /// What compensation added to the blurred values, by cause; not part of the records.
     #[serde(skip)]
     pub compensation: Option<CompensationTerms>,
     /// Time by stage; not part of the records.
@@ -55,16 +71,34 @@ pub struct Measured {
 }
 
 impl std::ops::Deref for Measured {
-    type Target = PlainValues;
+    type Target = SurfaceValues;
 
-    fn deref(&self) -> &PlainValues {
-        &self.plain
+    fn deref(&self) -> &SurfaceValues {
+        &self.values
     }
 }
 
-/// Integrals over an object and its surface.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
-pub struct PlainValues {
+/// Integrals over phi = 0, as the paper has them; its Euler characteristic is that of Gauss and Bonnet, a real number.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+pub struct BlurredValues {
+    /// The integrals.
+    #[serde(flatten)]
+    pub values: SurfaceValues,
+    /// Their spread over sub-voxel shifts.
+    pub grid_noise: SurfaceValues,
+}
+
+impl std::ops::Deref for BlurredValues {
+    type Target = SurfaceValues;
+
+    fn deref(&self) -> &SurfaceValues {
+        &self.values
+    }
+}
+
+/// Volume of an object and integrals over its surface, or the errors of such.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+pub struct SurfaceValues {
     /// V.
     pub volume_mm3: Option<f64>,
     /// A.
@@ -75,13 +109,14 @@ pub struct PlainValues {
     pub average_mean_curvature_per_mm: Option<f64>,
     /// The integral of K.
     pub total_gaussian_curvature: Option<f64>,
-    /// The integral of K over 2 pi: a real number, not rounded.
+    /// Of the surface: 2 for a ball, 0 for a torus.
     pub euler_characteristic: Option<f64>,
     /// The integral of H^2.
     pub total_squared_mean_curvature: Option<f64>,
 }
 
-impl PlainValues {
+impl SurfaceValues {
+    /// Over phi = 0.
     pub(super) fn of(integrals: &Integrals) -> Self {
         let surface = &integrals.surface;
         if !integrals.has_surface() {
@@ -97,9 +132,7 @@ impl PlainValues {
             total_squared_mean_curvature: Some(surface.mean_squared),
         }
     }
-}
 
-impl PlainValues {
     /// What the grid makes of each.
     pub(super) fn of_noise(e: &IntegralErrors) -> Self {
         Self {
@@ -110,6 +143,28 @@ impl PlainValues {
             total_gaussian_curvature: Some(e.gaussian),
             euler_characteristic: Some(e.gaussian / TAU),
             total_squared_mean_curvature: Some(e.mean_squared),
+        }
+    }
+
+    /// Of the original object.
+    pub(super) fn compensated(c: &CompensatedIntegrals) -> Self {
+        Self {
+            volume_mm3: Some(c.volume),
+            surface_area_mm2: Some(c.area),
+            total_mean_curvature_mm: Some(c.mean),
+            average_mean_curvature_per_mm: Some(c.mean / c.area),
+            ..Self::default()
+        }
+    }
+
+    /// Standard errors of the original object's.
+    pub(super) fn of_errors(e: &IntegralErrors) -> Self {
+        Self {
+            volume_mm3: Some(e.volume),
+            surface_area_mm2: Some(e.area),
+            total_mean_curvature_mm: Some(e.mean),
+            average_mean_curvature_per_mm: Some(e.average),
+            ..Self::default()
         }
     }
 }
@@ -127,59 +182,12 @@ pub struct StageSeconds {
     pub surface: f64,
     /// Euler numbers, components, cavities.
     pub topology: f64,
-}
-
-/// The integrals that can be compensated.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
-pub struct CompensatedValues {
-    /// V.
-    pub volume_mm3: Option<f64>,
-    /// A.
-    pub surface_area_mm2: Option<f64>,
-    /// M, the integral of H.
-    pub total_mean_curvature_mm: Option<f64>,
-    /// M / A.
-    pub average_mean_curvature_per_mm: Option<f64>,
-}
-
-/// Compensated integrals and their standard errors.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
-pub struct UncertainValues {
-    /// The values.
-    #[serde(flatten)]
-    pub values: CompensatedValues,
-    /// Their standard errors.
-    pub standard_error: CompensatedValues,
-}
-
-impl UncertainValues {
-    pub(super) fn of(c: &CompensatedIntegrals, errors: Option<&IntegralErrors>) -> Self {
-        let values = CompensatedValues {
-            volume_mm3: Some(c.volume),
-            surface_area_mm2: Some(c.area),
-            total_mean_curvature_mm: Some(c.mean),
-            average_mean_curvature_per_mm: Some(c.mean / c.area),
-        };
-        let error = |e: &IntegralErrors| CompensatedValues {
-            volume_mm3: Some(e.volume),
-            surface_area_mm2: Some(e.area),
-            total_mean_curvature_mm: Some(e.mean),
-            average_mean_curvature_per_mm: Some(e.average),
-        };
-        Self { values, standard_error: errors.map(error).unwrap_or_default() }
-    }
-}
-
-impl std::ops::Deref for UncertainValues {
-    type Target = CompensatedValues;
-
-    fn deref(&self) -> &CompensatedValues {
-        &self.values
-    }
+    /// From the decoded labels to all integrals, on the clock: a record's `seconds`.
+    pub integrals: f64,
 }
 
 /// The surface phi = 0 as a mesh: a cross-check of the plain integrals that knows no band.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct MeshSummary {
     /// Enclosed volume; `None` where the surface is open.
     pub volume_mm3: Option<f64>,
@@ -203,7 +211,7 @@ impl MeshSummary {
 }
 
 /// What counting voxels gives.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct VoxelSummary {
     /// Number of voxels.
     pub count: u64,
@@ -226,7 +234,7 @@ impl VoxelSummary {
 }
 
 /// Topology of surface and voxels.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct TopologySummary {
     /// V - E + F of the surface phi = 0.
     pub euler_characteristic_mesh: Option<i64>,
@@ -262,7 +270,7 @@ impl TopologySummary {
 }
 
 /// The image that an object lies in.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct GridSummary {
     /// Voxels along x, y, z.
     pub dimensions: [usize; 3],

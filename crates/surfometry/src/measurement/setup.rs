@@ -3,8 +3,8 @@
 use super::clip::{BoundaryTerms, ClipSummary, MeasuredPart};
 use super::pass::{ObjectSums, Pass};
 use super::result::{
-    GridSummary, Measured, MeshSummary, NO_ERRORS, PlainValues, StageSeconds, TopologySummary,
-    UncertainValues,
+    BlurredValues, DescribedSurface, GridSummary, Measured, MeshSummary, NO_ERRORS, StageSeconds,
+    SurfaceValues, TopologySummary,
 };
 use super::voxels::VoxelCounts;
 use super::{Derivatives, EmbeddingKind, MeasureError, Measurement, Parameters};
@@ -17,6 +17,7 @@ use crate::local_geometry::{CentralWeights, matched_weights};
 use crate::surface::SurfaceSummary;
 use crate::topology::TopologyCounter;
 use crate::volume::{Grid, Mask, Spacing};
+use std::f64::consts::TAU;
 use std::ops::Range;
 use std::time::{Duration, Instant};
 
@@ -97,15 +98,11 @@ impl Setup {
         }
     }
 
-    /// Plain and compensated integrals.
-    pub(super) fn values(
-        &self,
-        sums: &ObjectSums,
-        open: Option<&OpenPart>,
-    ) -> (PlainValues, UncertainValues) {
+    /// Integrals over phi = 0, and V, A, M and M / A of the original object.
+    pub(super) fn values(&self, sums: &ObjectSums, open: Option<&OpenPart>) -> [SurfaceValues; 2] {
         let surviving = self.surviving(sums);
         let terms = self.compensation(surviving, open);
-        (plain_values(surviving, open), self.compensated(surviving, terms))
+        [blurred_values(surviving, open), compensated(surviving, terms)]
     }
 
     /// All numbers of an object.
@@ -144,23 +141,66 @@ impl Setup {
         }
         let noise = self.errors.zip(surface).map(|(model, integrals)| model.grid_noise(&integrals));
         let terms = terms.filter(|_| !evidence.compensation_failed());
+        let blurred = BlurredValues {
+            values: blurred_values(surviving, open),
+            grid_noise: noise.map_or_else(SurfaceValues::default, |e| SurfaceValues::of_noise(&e)),
+        };
+        let topology = TopologySummary::of(&topology, mesh.as_ref());
+        let surface = self.described();
+        let [values, standard_error] = match surface {
+            DescribedSurface::Original => self.original(surviving, terms, exact_euler(&topology, open)),
+            DescribedSurface::Blurred | DescribedSurface::Given => [blurred.values, SurfaceValues::default()],
+        };
         Measured {
-            plain: plain_values(surviving, open),
-            compensated: self.compensated(surviving, terms),
-            grid_noise: noise.map_or_else(PlainValues::default, |e| PlainValues::of_noise(&e)),
+            surface,
+            values,
+            standard_error,
+            blurred,
             mesh: mesh.map_or_else(MeshSummary::default, |mesh| MeshSummary::of(&mesh)),
             voxels,
-            topology: TopologySummary::of(&topology, mesh.as_ref()),
+            topology,
             clip,
-            truth: None,
             parameters: self.parameters,
             grid: GridSummary::of(&self.grid),
             flags,
-            read_seconds: None,
-            seconds: totals.integrated.as_secs_f64(),
             compensation: terms,
             timings: totals.timings(),
         }
+    }
+
+    /// The surface that the unqualified numbers describe: the original object's wherever it can be had, unless the
+    /// blurred one is asked for.
+    fn described(&self) -> DescribedSurface {
+        let asked = self.measurement.surface;
+        match self.parameters.embedding {
+            EmbeddingKind::Given => DescribedSurface::Given,
+            _ if self.parameters.compensable_sigma().is_none() => DescribedSurface::Blurred,
+            _ => asked.unwrap_or(DescribedSurface::Original),
+        }
+    }
+
+    /// Numbers of the original object and their standard errors, with its exact Euler characteristic.
+    fn original(
+        &self,
+        blurred: Option<Integrals>,
+        terms: Option<CompensationTerms>,
+        euler: Option<i64>,
+    ) -> [SurfaceValues; 2] {
+        let modelled = self.errors.zip(blurred).filter(|_| terms.is_some());
+        let errors = modelled.map(|(model, blurred)| SurfaceValues::of_errors(&model.compensated(&blurred)));
+        let exact = euler.map(|_| 0.0);
+        [
+            SurfaceValues {
+                total_gaussian_curvature: euler.map(|chi| TAU * chi as f64),
+                euler_characteristic: euler.map(|chi| chi as f64),
+                ..compensated(blurred, terms)
+            },
+            SurfaceValues {
+                total_gaussian_curvature: exact,
+                euler_characteristic: exact,
+                ..errors.unwrap_or_default()
+            },
+        ]
     }
 
     /// Where the object and the gaps in it are narrowest, of those whose share of the band counts.
@@ -195,12 +235,6 @@ impl Setup {
         Some(terms)
     }
 
-    fn compensated(&self, plain: Option<Integrals>, terms: Option<CompensationTerms>) -> UncertainValues {
-        let Some((plain, terms)) = plain.zip(terms) else { return UncertainValues::default() };
-        let errors = self.errors.map(|model| model.compensated(&plain));
-        UncertainValues::of(&terms.added_to(&plain), errors.as_ref())
-    }
-
     fn parameter_flags(
         &self,
         cuts: [[f64; 2]; 3],
@@ -216,20 +250,35 @@ impl Setup {
             flags.push(touching(cuts, area, clip));
         }
         if self.parameters.compensable_sigma().is_none() {
-            flags.push(Flag::new(FlagCode::CompensationUndefined, "compensation is defined for the Gaussian and the corrected embedding at level 0.5 only, so `compensated` is null"));
+            flags.push(Flag::new(FlagCode::CompensationUndefined, "compensation is defined for the Gaussian and the corrected embedding at level 0.5 only, so the numbers are those of the blurred surface"));
         }
         flags
     }
 }
 
 /// Of an open surface, the Euler characteristic has a part from the boundary (Gauss-Bonnet).
-fn plain_values(integrals: Option<Integrals>, open: Option<&OpenPart>) -> PlainValues {
-    let mut values = integrals.map_or_else(PlainValues::default, |i| PlainValues::of(&i));
+fn blurred_values(integrals: Option<Integrals>, open: Option<&OpenPart>) -> SurfaceValues {
+    let mut values = integrals.map_or_else(SurfaceValues::default, |i| SurfaceValues::of(&i));
     if let Some(open) = open {
-        let total = |of_surface: f64| (of_surface + open.boundary.curvature) / std::f64::consts::TAU;
+        let total = |of_surface: f64| (of_surface + open.boundary.curvature) / TAU;
         values.euler_characteristic = values.total_gaussian_curvature.map(total);
     }
     values
+}
+
+fn compensated(blurred: Option<Integrals>, terms: Option<CompensationTerms>) -> SurfaceValues {
+    let known = blurred.zip(terms);
+    known.map_or_else(SurfaceValues::default, |(blurred, terms)| {
+        SurfaceValues::compensated(&terms.added_to(&blurred))
+    })
+}
+
+/// The whole number of the original object's surface: its voxels', or, of the part between cuts, its mesh's.
+fn exact_euler(topology: &TopologySummary, open: Option<&OpenPart>) -> Option<i64> {
+    match open {
+        None => Some(topology.euler_characteristic_voxels_26),
+        Some(_) => topology.euler_characteristic_mesh,
+    }
 }
 
 fn error_model(p: &Parameters, spacing: Spacing) -> Option<ErrorModel> {
@@ -285,6 +334,7 @@ impl Totals {
             integrate: times.integrate.as_secs_f64(),
             surface: times.surface.as_secs_f64(),
             topology: self.topology_time.as_secs_f64(),
+            integrals: self.integrated.as_secs_f64(),
         }
     }
 }

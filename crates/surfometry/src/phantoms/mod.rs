@@ -35,7 +35,7 @@ pub use surface_point::SurfacePoint;
 pub use torus::Torus;
 
 use crate::local_geometry::Jet;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// A closed surface given by an implicit function, negative inside, in a frame of its own (mm).
 pub trait Shape: Send + Sync {
@@ -72,7 +72,7 @@ impl Shape for Box<dyn Shape> {
 }
 
 /// Exact integrals of a closed surface.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Truth {
     /// mm^3.
     #[serde(rename = "volume_mm3")]

@@ -201,7 +201,7 @@ pub fn measure_input(
             records.push(object.record());
             Ok(())
         })?;
-        let read = records.first().and_then(|r: &Record| r.measured.read_seconds).unwrap_or_default();
+        let read = records.first().and_then(|r: &Record| r.read_seconds).unwrap_or_default();
         return Ok(InputRecords { records, read_seconds: read, decode_seconds: 0.0 });
     }
     let mut found = if Phantom::is_spec(input) {
@@ -239,10 +239,10 @@ impl InputRecords {
     fn of(input: &str, streamed: Streamed, file: Duration, truth: Option<Truth>, flags: &[Flag]) -> Self {
         let all = streamed.source_seconds + streamed.encode_seconds;
         let record = |(label, mut measured): (LabelGroup, Measured)| {
-            measured.read_seconds = Some(all);
-            measured.truth = truth;
             measured.flags.splice(0..0, flags.iter().cloned());
-            Record { input: input.to_owned(), label: Some(label), component: None, name: None, measured }
+            let seconds = measured.timings.integrals;
+            let (input, label, read_seconds) = (input.to_owned(), Some(label), Some(all));
+            Record { input, label, component: None, name: None, measured, truth, read_seconds, seconds }
         };
         let read_seconds = file.as_secs_f64();
         Self {

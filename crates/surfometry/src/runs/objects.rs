@@ -73,13 +73,13 @@ impl InputObject<'_> {
     pub fn record(&self) -> Record {
         let mut measured = self.object.measure();
         explain_topology(&self.object, &mut measured, self.options);
-        measured.read_seconds = Some(self.read_seconds);
-        measured.truth = self.truth;
         measured.parameters.curvature_sigma_mm =
             self.local.as_ref().and_then(|local| local.parameters().sigma_mm);
         measured.flags.splice(0..0, self.flags.iter().cloned());
         let (input, label) = (self.input.to_owned(), self.label.clone());
-        Record { input, label, component: self.component, name: None, measured }
+        let (seconds, read_seconds) = (measured.timings.integrals, Some(self.read_seconds));
+        let (component, truth) = (self.component, self.truth);
+        Record { input, label, component, name: None, measured, truth, read_seconds, seconds }
     }
 }
 

@@ -2,13 +2,14 @@
 
 use super::{MAP_SCHEMA, SurfaceRecord};
 use crate::measurement::Measured;
+use crate::phantoms::Truth;
 use crate::volume::LabelGroup;
 use serde::Serialize;
 
 /// Name and version of the format.
-pub const SCHEMA: &str = "surfometry.measure/1";
+pub const SCHEMA: &str = "surfometry.measure/2";
 
-/// Results and failures of a run (DESIGN.md 4).
+/// Results and failures of a run: docs/contract.md.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Output<R = Record> {
     /// [`SCHEMA`], or [`MAP_SCHEMA`].
@@ -49,6 +50,13 @@ pub struct Record {
     /// The results.
     #[serde(flatten)]
     pub measured: Measured,
+    /// Exact integrals, for phantoms.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub truth: Option<Truth>,
+    /// Time to read and decode the input, s.
+    pub read_seconds: Option<f64>,
+    /// Time from the decoded labels to all integrals, s.
+    pub seconds: f64,
 }
 
 /// An input that could not be measured.

@@ -2,7 +2,7 @@
 
 use super::map_files::write_figure;
 use super::{FileLedger, InputError, MapStyle, Record, flatten, input_title};
-use crate::measurement::{CompensatedValues, Measured, Parameters};
+use crate::measurement::{DescribedSurface, Measured, Parameters, SurfaceValues};
 use crate::pictures::{ChartLine, ChartPanel, LineChart};
 use serde_json::{Map, Value};
 use std::path::Path;
@@ -20,7 +20,7 @@ pub struct SweepAxis {
 
 /// What lines and bands are: of the chart without a choice, and of chosen measures.
 const WHOLE: &str = "Blurred: of the smoothed object. Original: with the smoothing's shift undone; the band is its 95 % interval.";
-const CHOSEN: &str = "The band is the 95 % interval, of compensated measures; of others it is 1.96 standard deviations over sub-voxel shifts.";
+const CHOSEN: &str = "The band is the 95 % interval; of blurred measures it is 1.96 standard deviations over sub-voxel shifts.";
 
 /// Half-width of a 95 % interval in standard errors.
 const INTERVAL: f64 = 1.96;
@@ -73,9 +73,9 @@ fn measure_panels<'a>(records: &[Record], measures: &'a [String]) -> Result<Vec<
         if values.iter().all(Option::is_none) {
             return Err(InputError::NoMeasure(name.clone()));
         }
-        let standard_error = match name.strip_prefix("compensated_") {
-            Some(measure) => format!("compensated_standard_error_{measure}"),
-            None => format!("grid_noise_{name}"),
+        let standard_error = match name.strip_prefix("blurred_") {
+            Some(measure) => format!("blurred_grid_noise_{measure}"),
+            None => format!("standard_error_{name}"),
         };
         let errors: Vec<Option<f64>> = column(&standard_error);
         let errors = errors.into_iter().map(|error| error.map(|e| INTERVAL * e)).collect();
@@ -89,25 +89,26 @@ pub(crate) fn sweep_panels(measured: &[&Measured]) -> Vec<ChartPanel<'static>> {
     let line = |name, value: &dyn Fn(&Measured) -> Option<f64>| {
         ChartLine::new(name, measured.iter().map(|m| value(m)).collect())
     };
-    let panel =
-        |name, plain: &dyn Fn(&Measured) -> Option<f64>, original: fn(&CompensatedValues) -> Option<f64>| {
-            let error = |m: &&Measured| original(&m.compensated.standard_error).map(|e| INTERVAL * e);
-            let compensated = ChartLine {
-                errors: measured.iter().map(error).collect(),
-                ..line("original", &|m: &Measured| original(&m.compensated.values))
-            };
-            ChartPanel { name, lines: vec![compensated, line("blurred", plain)] }
+    let panel = |name, value: fn(&SurfaceValues) -> Option<f64>| {
+        let is_original = |m: &Measured| m.surface == DescribedSurface::Original;
+        let error = |m: &&Measured| value(&m.standard_error).map(|e| INTERVAL * e);
+        let original = ChartLine {
+            errors: measured.iter().map(error).collect(),
+            ..line("original", &|m: &Measured| value(&m.values).filter(|_| is_original(m)))
         };
-    let mut volume = panel("volume (mm\u{b3})", &|m| m.volume_mm3, |c| c.volume_mm3);
+        ChartPanel { name, lines: vec![original, line("blurred", &|m: &Measured| value(&m.blurred))] }
+    };
+    let mut volume = panel("volume (mm\u{b3})", |v| v.volume_mm3);
     // Of an object that its image cuts, the part between the cuts; its voxels' topology is that of the whole.
     let counted = |m: &Measured| Some(m.clip.map_or(m.voxels.volume_mm3, |clip| clip.voxel_volume_mm3));
     volume.lines.push(line("voxels", &counted));
     let voxels = |m: &Measured| m.clip.is_none().then_some(m.topology.euler_characteristic_voxels_26 as f64);
-    let euler = vec![line("blurred", &|m: &Measured| m.euler_characteristic), line("voxels", &voxels)];
+    let euler =
+        vec![line("blurred", &|m: &Measured| m.blurred.euler_characteristic), line("voxels", &voxels)];
     vec![
         volume,
-        panel("surface area (mm\u{b2})", &|m| m.surface_area_mm2, |c| c.surface_area_mm2),
-        panel("total mean curvature (mm)", &|m| m.total_mean_curvature_mm, |c| c.total_mean_curvature_mm),
+        panel("surface area (mm\u{b2})", |v| v.surface_area_mm2),
+        panel("total mean curvature (mm)", |v| v.total_mean_curvature_mm),
         ChartPanel { name: "Euler characteristic", lines: euler },
     ]
 }

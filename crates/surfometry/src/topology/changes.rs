@@ -5,13 +5,13 @@ use super::simple_voxel::is_simple;
 use super::{ComponentLabels, Connectivity};
 use crate::tiling::IndexBox;
 use crate::volume::{Mask, Spacing};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use std::cmp::Ordering;
 use std::collections::{BinaryHeap, HashSet};
 use std::fmt;
 
 /// What happened to an object's topology at a place.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum ChangeKind {
     /// A piece of its own is gone.

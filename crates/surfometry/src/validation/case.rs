@@ -2,7 +2,7 @@
 
 use super::ZooShape;
 use super::poses::UnitPose;
-use crate::measurement::{CurvatureScale, MeasureError, Measured, Measurement};
+use crate::measurement::{CurvatureScale, MeasureError, Measured, Measurement, SurfaceValues};
 use crate::phantoms::{Phantom, Pose, SurfacePoint, Truth};
 use crate::volume::Mask;
 use serde::Serialize;
@@ -64,10 +64,10 @@ pub struct CaseResult {
     /// Rotation, shift and size.
     pub pose: UnitPose,
     /// The blurred object.
-    pub plain: RelativeErrors,
+    pub blurred: RelativeErrors,
     /// The original object.
-    pub compensated: RelativeErrors,
-    /// Errors of the compensated values in units of their standard errors.
+    pub original: RelativeErrors,
+    /// Errors of the original object's values in units of their standard errors.
     pub standardised: Option<RelativeErrors>,
     /// Gauss-Bonnet less exact.
     pub euler_characteristic: f64,
@@ -119,12 +119,15 @@ impl Case {
         let percent = |value: Option<f64>, exact: f64, unit: f64| {
             value.map_or(f64::NAN, |v| 100.0 * (v - exact) / unit)
         };
-        let errors = |v: Option<f64>, a: Option<f64>, m: Option<f64>| RelativeErrors {
-            volume: percent(v, truth.volume, truth.volume),
-            surface_area: percent(a, truth.surface_area, truth.surface_area),
-            total_mean_curvature: percent(m, truth.total_mean_curvature, exact_mean),
+        let errors = |values: &SurfaceValues| RelativeErrors {
+            volume: percent(values.volume_mm3, truth.volume, truth.volume),
+            surface_area: percent(values.surface_area_mm2, truth.surface_area, truth.surface_area),
+            total_mean_curvature: percent(
+                values.total_mean_curvature_mm,
+                truth.total_mean_curvature,
+                exact_mean,
+            ),
         };
-        let c = &measured.compensated;
         let chi = truth.euler_characteristic;
         Ok(CaseResult {
             shape: self.shape.name,
@@ -133,10 +136,10 @@ impl Case {
             ratio: self.ratio,
             sigma_over_radius: measured.parameters.sigma_mm.unwrap_or(f64::NAN) * curvature,
             pose: self.pose,
-            plain: errors(measured.volume_mm3, measured.surface_area_mm2, measured.total_mean_curvature_mm),
-            compensated: errors(c.volume_mm3, c.surface_area_mm2, c.total_mean_curvature_mm),
+            blurred: errors(&measured.blurred),
+            original: errors(&measured.values),
             standardised: standardised(&measured, &truth),
-            euler_characteristic: measured.euler_characteristic.unwrap_or(f64::NAN) - chi as f64,
+            euler_characteristic: measured.blurred.euler_characteristic.unwrap_or(f64::NAN) - chi as f64,
             mesh_euler_characteristic: measured.topology.euler_characteristic_mesh.unwrap_or(0) - chi,
             local: if local { Some(local_errors(&phantom, &mask, curvature)?) } else { None },
         })
@@ -144,7 +147,7 @@ impl Case {
 }
 
 fn standardised(measured: &Measured, truth: &Truth) -> Option<RelativeErrors> {
-    let (values, errors) = (measured.compensated.values, measured.compensated.standard_error);
+    let (values, errors) = (measured.values, measured.standard_error);
     Some(RelativeErrors {
         volume: (values.volume_mm3? - truth.volume) / errors.volume_mm3?,
         surface_area: (values.surface_area_mm2? - truth.surface_area) / errors.surface_area_mm2?,

@@ -17,10 +17,10 @@ pub struct Summary {
     /// How many.
     pub cases: usize,
     /// The largest errors of the blurred object.
-    pub worst_plain: RelativeErrors,
-    /// The largest errors of the compensated values, %.
-    pub worst_compensated: RelativeErrors,
-    /// Share of compensated values, in %, within 1.96 standard errors of the truth; V, A and M together.
+    pub worst_blurred: RelativeErrors,
+    /// The largest errors of the original object's, %.
+    pub worst_original: RelativeErrors,
+    /// Share of the original object's values, in %, within 1.96 standard errors of the truth; V, A and M together.
     pub coverage: Option<f64>,
     /// The largest error of Gauss-Bonnet.
     pub worst_euler_characteristic: f64,
@@ -71,8 +71,8 @@ fn summary(cases: &[CaseResult]) -> Summary {
         resolution: first.resolution,
         ratio: first.ratio,
         cases: cases.len(),
-        worst_plain: worst(&|c| c.plain),
-        worst_compensated: worst(&|c| c.compensated),
+        worst_blurred: worst(&|c| c.blurred),
+        worst_original: worst(&|c| c.original),
         coverage: mean(&covered),
         worst_euler_characteristic: largest(cases.iter().map(|c| c.euler_characteristic)),
         wrong_meshes: cases.iter().filter(|c| c.mesh_euler_characteristic != 0).count(),

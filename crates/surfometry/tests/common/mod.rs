@@ -35,7 +35,7 @@ pub fn measure(phantom: &Phantom, measurement: &Measurement) -> Measured {
 
 /// Relative errors in % of compensated V, A, M.
 pub fn compensated_errors(measured: &Measured, truth: &Truth) -> [f64; 3] {
-    let c = &measured.compensated;
+    let c = &measured.values;
     let percent = |value: Option<f64>, exact: f64| 100.0 * (value.expect("a number") / exact - 1.0);
     [
         percent(c.volume_mm3, truth.volume),
@@ -58,13 +58,13 @@ pub const POWERS: [i32; 8] = [3, 2, 1, 0, 0, 3, 2, 1];
 
 /// V, A, M, total K, bending energy; compensated V, A, M.
 pub fn values(m: &Measured) -> [Option<f64>; 8] {
-    let c = &m.compensated;
+    let c = &m.values;
     [
-        m.volume_mm3,
-        m.surface_area_mm2,
-        m.total_mean_curvature_mm,
-        m.total_gaussian_curvature,
-        m.total_squared_mean_curvature,
+        m.blurred.volume_mm3,
+        m.blurred.surface_area_mm2,
+        m.blurred.total_mean_curvature_mm,
+        m.blurred.total_gaussian_curvature,
+        m.blurred.total_squared_mean_curvature,
         c.volume_mm3,
         c.surface_area_mm2,
         c.total_mean_curvature_mm,
