@@ -5,6 +5,7 @@ use crate::bones::{paper_distance, phantom_mask};
 use crate::desk::Desk;
 use crate::table::Table;
 use anyhow::{Context, Result};
+use surfometry::Choice;
 use surfometry::Measurement;
 use surfometry::measurement::Object;
 use surfometry::pictures::{PictureKind, PictureStyle, picture};
@@ -33,7 +34,7 @@ fn run(desk: &mut Desk) -> Result<()> {
         let mut spread = |quantity: LocalQuantity| {
             let moments = surface.distribution(quantity).context("a surface")?.by_vertex;
             let value = moments.standard_deviation;
-            anyhow::Ok(desk.number(format!("{name}.sd_{}", quantity.option()), value))
+            anyhow::Ok(desk.number(format!("{name}.sd_{}", quantity.word()), value))
         };
         let (h, k) = (spread(LocalQuantity::MeanCurvature)?, spread(LocalQuantity::GaussianCurvature)?);
         let chi = object.measure().blurred.euler_characteristic.unwrap_or(f64::NAN);
@@ -56,7 +57,7 @@ fn pictures(desk: &mut Desk, object: &Object, surface: &Surface, [name, title]: 
                 ..PictureStyle::default()
             };
             let figure = picture(kind, object, surface, &style)?;
-            figures.push((format!("{name}-{}-{}", kind.option(), quantity.option()), figure));
+            figures.push((format!("{name}-{}-{}", kind.word(), quantity.word()), figure));
         }
     }
     desk.figures(&figures, &format!("{title}: H and K on the surface, and their distributions."))?;

@@ -6,6 +6,7 @@ use crate::bones::median_of;
 use crate::desk::Desk;
 use crate::validation::{Row, read_rows};
 use anyhow::{Context, Result};
+use surfometry::Choice;
 use surfometry::Measurement;
 use surfometry::pictures::{PictureKind, PictureStyle, picture};
 use surfometry::surface::LocalQuantity;
@@ -31,8 +32,8 @@ fn run(desk: &mut Desk) -> Result<()> {
             [(LocalQuantity::MeanCurvature, 0.2), (LocalQuantity::GaussianCurvature, 0.02)]
         {
             let moments = surface.distribution(quantity).context("a surface")?.by_area;
-            desk.number(format!("{kind}.{}.skewness", quantity.option()), moments.skewness);
-            desk.number(format!("{kind}.{}.excess_kurtosis", quantity.option()), moments.excess_kurtosis);
+            desk.number(format!("{kind}.{}.skewness", quantity.word()), moments.skewness);
+            desk.number(format!("{kind}.{}.excess_kurtosis", quantity.word()), moments.excess_kurtosis);
             for what in [PictureKind::Surface, PictureKind::Histogram] {
                 let style = PictureStyle {
                     quantity,
@@ -41,7 +42,7 @@ fn run(desk: &mut Desk) -> Result<()> {
                     ..PictureStyle::default()
                 };
                 let figure = picture(what, &object, &surface, &style)?;
-                figures.push((format!("{kind}-{}-{}", what.option(), quantity.option()), figure));
+                figures.push((format!("{kind}-{}-{}", what.word(), quantity.word()), figure));
             }
         }
         desk.figures(

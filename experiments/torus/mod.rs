@@ -5,6 +5,7 @@ use crate::bones::{paper_distance, surface_picture};
 use crate::desk::Desk;
 use crate::table::Table;
 use anyhow::{Context, Result};
+use surfometry::Choice;
 use surfometry::Measurement;
 use surfometry::measurement::Object;
 use surfometry::phantoms::Phantom;
@@ -77,7 +78,7 @@ fn coloured(object: &Object, name: &str, title: &str) -> Result<Vec<(String, sur
         .into_iter()
         .map(|colours| {
             let figure = surface_picture(object, title, colours, View::Superior)?;
-            Ok((format!("{name}-{}", colours.0.option()), figure))
+            Ok((format!("{name}-{}", colours.0.word()), figure))
         })
         .collect()
 }

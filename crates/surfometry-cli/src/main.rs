@@ -1,11 +1,11 @@
 //! `surfometry`: measures the surfaces of segmented 3-D objects. Parses, calls the library, prints.
 
 mod commands;
+mod console;
 mod inputs;
 mod options;
 mod output;
 mod picture_options;
-mod progress;
 
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
@@ -51,7 +51,7 @@ fn main() -> ExitCode {
         Command::Measure(args) => commands::measure::run(&args, cli.quiet),
         Command::Map(args) => commands::map::run(&args, cli.quiet),
         Command::Report(args) => commands::report::run(&args, cli.quiet),
-        Command::Info(args) => commands::info::run(&args),
+        Command::Info(args) => commands::info::run(&args, cli.quiet),
         Command::Cohort(args) => commands::cohort::run(&args, cli.quiet),
         Command::Phantom(args) => commands::phantom::run(&args),
         Command::Sweep(args) => commands::sweep::run(&args, cli.quiet),

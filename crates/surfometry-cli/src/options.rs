@@ -1,12 +1,15 @@
 //! Options of a measurement, as typed, and what they mean.
 
-use anyhow::{Result, bail};
+use crate::picture_options::one_of;
+use anyhow::Result;
 use clap::{Args, ValueEnum};
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
+use surfometry::Measurement;
+use surfometry::inputs::OpenOptions;
 use surfometry::integrals::{QuadratureRule, Smearing};
-use surfometry::measurement::{Clip, CurvatureScale, Derivatives, EmbeddingKind, Measurement};
-use surfometry::runs::InputOptions;
+use surfometry::measurement::{Clip, CurvatureScale, Derivatives, EmbeddingKind};
+use surfometry::runs::{Plan, SweptParameter};
 use surfometry::volume::{LabelSelection, Spacing};
 
 /// A length in mm, or `auto`.
@@ -26,58 +29,18 @@ impl Length {
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(crate) enum EmbeddingOption {
-    /// The blurred mask
-    Gaussian,
-    /// Two blurs combined so that the surface does not move: local curvature of the original object
-    Corrected,
-    /// Signed distance to the voxel faces: the baseline that the paper rejects
-    Distance,
-    /// Signed distance that is zero on the boundary voxels, as ITK's: its surface lies half a voxel inside
-    DistanceToVoxels,
-    /// The input is a field phi, negative inside
-    Given,
-}
-
-impl EmbeddingOption {
-    fn is_blur(self) -> bool {
-        matches!(self, Self::Gaussian | Self::Corrected)
-    }
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(crate) enum DerivativesOption {
-    /// Convolution with derivatives of the Gaussian
-    Gaussian,
-    /// Differences matched to the blur: the same from sigma = 1.75 voxels on, faster
-    Matched,
-    /// Fourth-order differences, as in the paper
-    FiniteDifference,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(crate) enum QuadratureOption {
-    Sum,
-    Simpson,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(crate) enum DeltaOption {
-    Sine,
-    Tanh,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum OutputFormat {
     Table,
     Json,
+    /// A line of JSON a result
+    Jsonl,
     Csv,
 }
 
 /// Where results go, in which form.
 #[derive(Debug, Args)]
 pub(crate) struct OutputOptions {
-    /// Form of the results [default: what the ending of -o FILE says, .json or .csv; else table]
+    /// Form of the results [default: what the ending of -o FILE says, .json, .jsonl or .csv; else table]
     #[arg(long, value_enum)]
     format: Option<OutputFormat>,
     /// File to write instead of stdout; written whole or not at all
@@ -86,14 +49,16 @@ pub(crate) struct OutputOptions {
 }
 
 impl OutputOptions {
+    /// The file; `None` for stdout, which `-` names as well.
     pub(crate) fn path(&self) -> Option<&Path> {
-        self.output.as_deref()
+        self.output.as_deref().filter(|path| *path != Path::new("-"))
     }
 
     pub(crate) fn format(&self) -> OutputFormat {
         let ending = self.path().and_then(Path::extension).map(OsStr::to_ascii_lowercase);
         self.format.unwrap_or_else(|| match ending.as_ref().and_then(|e| e.to_str()) {
             Some("json") => OutputFormat::Json,
+            Some("jsonl") => OutputFormat::Jsonl,
             Some("csv") => OutputFormat::Csv,
             _ => OutputFormat::Table,
         })
@@ -119,12 +84,6 @@ impl CurvatureOptions {
     }
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
-enum ClipOption {
-    Cap,
-    Exclude,
-}
-
 /// Which objects of an input, and how far its voxels are apart.
 #[derive(Debug, Clone, clap::Args)]
 pub(crate) struct InputSelection {
@@ -137,9 +96,10 @@ pub(crate) struct InputSelection {
 }
 
 impl InputSelection {
-    pub(crate) fn inputs(&self) -> InputOptions {
-        let (labels, spacing) = (self.label.clone(), self.spacing.map(|s| s.mm()));
-        InputOptions { labels, spacing, ..InputOptions::default() }
+    /// A plan that asks for these objects.
+    pub(crate) fn plan(&self) -> Plan {
+        let open = OpenOptions { spacing: self.spacing.map(|s| s.mm()) };
+        Plan { labels: self.label.clone(), open, ..Plan::default() }
     }
 }
 
@@ -161,48 +121,36 @@ pub(crate) struct MeasureOptions {
     #[arg(long, value_parser = fraction, allow_hyphen_values = true)]
     level: Option<f64>,
     /// How an object becomes a field
-    #[arg(long, value_enum, default_value = "gaussian")]
-    embedding: EmbeddingOption,
+    #[arg(long, default_value = "gaussian", value_parser = one_of::<EmbeddingKind>())]
+    embedding: EmbeddingKind,
     /// How the field is differentiated [default: matched where sigma is 1.75 to 8 voxels, else gaussian; finite-difference without a blur]
-    #[arg(long, value_enum)]
-    derivatives: Option<DerivativesOption>,
+    #[arg(long, value_parser = one_of::<Derivatives>())]
+    derivatives: Option<Derivatives>,
     /// How voxels are summed [default: sum]
-    #[arg(long, value_enum)]
-    quadrature: Option<QuadratureOption>,
+    #[arg(long, value_parser = one_of::<QuadratureRule>())]
+    quadrature: Option<QuadratureRule>,
     /// Profile of the delta [default: sine]
-    #[arg(long, value_enum)]
-    delta: Option<DeltaOption>,
+    #[arg(long, value_parser = one_of::<Smearing>())]
+    delta: Option<Smearing>,
     /// What becomes of objects that the edge of the image cuts: closed with a flat cap, or measured between sections 3 sigma from the cuts
-    #[arg(long, value_enum, default_value = "cap")]
-    clip: ClipOption,
+    #[arg(long, default_value = "cap", value_parser = one_of::<Clip>())]
+    clip: Clip,
     /// The paper's choices: finite-difference, simpson, sigma 2, thickness 2.5; options given beside it win
     #[arg(long)]
     paper: bool,
 }
 
 impl MeasureOptions {
-    /// The measurement that the options describe.
-    pub(crate) fn measurement(&self) -> Result<Measurement> {
-        let blurred = self.embedding.is_blur();
-        if !blurred && (self.sigma.is_some() || self.level.is_some()) {
-            bail!("--sigma and --level belong to --embedding gaussian and corrected: leave them out");
-        }
-        if !blurred && self.clip == ClipOption::Exclude {
-            bail!(
-                "--clip exclude needs a field that is smooth across the cut: use --embedding gaussian or corrected"
-            );
-        }
-        if !blurred && self.derivatives == Some(DerivativesOption::Gaussian) {
-            bail!("--derivatives gaussian belongs to --embedding gaussian and corrected: leave it out");
-        }
+    /// The plan that the options describe, checked.
+    pub(crate) fn plan(&self, curvature: CurvatureScale) -> Result<Plan> {
+        let plan = Plan { measurement: self.measurement(), curvature, ..self.selection.plan() };
+        plan.check()?;
+        Ok(plan)
+    }
+
+    fn measurement(&self) -> Measurement {
         let mut m = if self.paper { Measurement::paper() } else { Measurement::default() };
-        m = m.embedding(match self.embedding {
-            EmbeddingOption::Gaussian => EmbeddingKind::Gaussian,
-            EmbeddingOption::Corrected => EmbeddingKind::Corrected,
-            EmbeddingOption::Distance => EmbeddingKind::Distance,
-            EmbeddingOption::DistanceToVoxels => EmbeddingKind::DistanceToVoxels,
-            EmbeddingOption::Given => EmbeddingKind::Given,
-        });
+        m = m.embedding(self.embedding).clip(self.clip);
         if let Some(sigma) = self.sigma {
             m = m.sigma_mm(sigma.mm());
         }
@@ -216,42 +164,24 @@ impl MeasureOptions {
             m = m.level(level);
         }
         if let Some(derivatives) = self.derivatives {
-            m = m.derivatives(match derivatives {
-                DerivativesOption::Gaussian => Derivatives::Gaussian,
-                DerivativesOption::FiniteDifference => Derivatives::FiniteDifference,
-                DerivativesOption::Matched => Derivatives::Matched,
-            });
+            m = m.derivatives(derivatives);
         }
         if let Some(quadrature) = self.quadrature {
-            m = m.quadrature(match quadrature {
-                QuadratureOption::Sum => QuadratureRule::Sum,
-                QuadratureOption::Simpson => QuadratureRule::Simpson,
-            });
+            m = m.quadrature(quadrature);
         }
         if let Some(delta) = self.delta {
-            m = m.delta(match delta {
-                DeltaOption::Sine => Smearing::Sine,
-                DeltaOption::Tanh => Smearing::Tanh,
-            });
+            m = m.delta(delta);
         }
-        Ok(m.clip(match self.clip {
-            ClipOption::Cap => Clip::Cap,
-            ClipOption::Exclude => Clip::Exclude,
-        }))
+        m
     }
 
-    /// Whether a length or level was given.
-    pub(crate) fn gives(&self, name: &str) -> bool {
-        match name {
-            "sigma" => self.sigma.is_some(),
-            "thickness" => self.thickness.is_some() || self.epsilon.is_some(),
-            _ => self.level.is_some(),
+    /// Whether a parameter that is to be swept was given.
+    pub(crate) fn gives(&self, parameter: SweptParameter) -> bool {
+        match parameter {
+            SweptParameter::Sigma => self.sigma.is_some(),
+            SweptParameter::Thickness => self.thickness.is_some() || self.epsilon.is_some(),
+            SweptParameter::Level => self.level.is_some(),
         }
-    }
-
-    /// What is asked of each input.
-    pub(crate) fn inputs(&self, curvature: CurvatureScale) -> InputOptions {
-        InputOptions { curvature, ..self.selection.inputs() }
     }
 
     /// Whether sigma follows each image's spacing.
@@ -288,4 +218,44 @@ pub(crate) fn spacing(text: &str) -> Result<Spacing, String> {
     let mm: [f64; 3] =
         parts.try_into().map_err(|_| "write three numbers, X,Y,Z in mm, fastest axis first".to_owned())?;
     Spacing::new(mm).map_err(|e| e.to_string())
+}
+
+/// Values from one to another.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Range {
+    first: f64,
+    last: f64,
+    count: u32,
+}
+
+/// Most values of a sweep.
+const MOST_VALUES: u32 = 1000;
+
+impl std::str::FromStr for Range {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let wrong = || {
+            format!("`{text}`: write FROM:TO:COUNT, two positive numbers and a count of 2 to {MOST_VALUES}")
+        };
+        let [first, last, count] = text.split(':').collect::<Vec<_>>().try_into().map_err(|_| wrong())?;
+        let number =
+            |part: &str| part.parse::<f64>().ok().filter(|v| v.is_finite() && *v > 0.0).ok_or_else(wrong);
+        let count = count.parse().ok().filter(|n| (2..=MOST_VALUES).contains(n)).ok_or_else(wrong)?;
+        Ok(Range { first: number(first)?, last: number(last)?, count })
+    }
+}
+
+impl Range {
+    pub(crate) fn values(&self, log: bool) -> Vec<f64> {
+        let share = |n: u32| f64::from(n) / f64::from(self.count - 1);
+        let value = |t: f64| {
+            if log {
+                self.first * (self.last / self.first).powf(t)
+            } else {
+                self.first + t * (self.last - self.first)
+            }
+        };
+        (0..self.count).map(|n| value(share(n))).collect()
+    }
 }

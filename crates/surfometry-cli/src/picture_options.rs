@@ -3,6 +3,7 @@
 use crate::options::positive;
 use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+use surfometry::Choice;
 use surfometry::pictures::{PictureKind, PictureStyle, View};
 use surfometry::runs::MapStyle;
 use surfometry::surface::LocalQuantity;
@@ -11,16 +12,16 @@ use surfometry::surface::LocalQuantity;
 #[derive(Debug, Args)]
 pub(crate) struct PictureOptions {
     /// What colours show
-    #[arg(long, default_value = "mean-curvature", value_parser = one_of(&LocalQuantity::ALL, LocalQuantity::option, LocalQuantity::title))]
+    #[arg(long, default_value = "mean-curvature", value_parser = one_of::<LocalQuantity>())]
     quantity: LocalQuantity,
     /// Magnitude at the ends of the colour scale, in the quantity's unit [default: that of 98 % of the area, rounded]
     #[arg(long, value_name = "NUMBER", value_parser = positive, allow_hyphen_values = true)]
     limit: Option<f64>,
     /// Views: anterior, posterior, left, right, superior, inferior, oblique; several make several panels
-    #[arg(long, value_delimiter = ',', default_value = "oblique")]
+    #[arg(long, value_delimiter = ',', default_value = "oblique", value_parser = one_of::<View>(), hide_possible_values = true)]
     view: Vec<View>,
     /// Pictures, a file each
-    #[arg(long, value_delimiter = ',', default_value = "surface", value_parser = one_of(&PictureKind::ALL, PictureKind::option, PictureKind::title))]
+    #[arg(long, value_delimiter = ',', default_value = "surface", value_parser = one_of::<PictureKind>())]
     picture: Vec<PictureKind>,
     /// Dots per inch of PNG pictures, at most 1200
     #[arg(long, default_value = "192", value_parser = clap::value_parser!(u16).range(24..=1200))]
@@ -55,12 +56,8 @@ pub(crate) fn distinct<T: Copy + PartialEq>(values: &[T]) -> Vec<T> {
     kept
 }
 
-/// Parses one of some values by its name, and lists them in help and errors.
-pub(crate) fn one_of<T: Copy + Send + Sync + 'static>(
-    all: &'static [T],
-    name: fn(T) -> &'static str,
-    help: fn(T) -> &'static str,
-) -> impl TypedValueParser<Value = T> {
-    PossibleValuesParser::new(all.iter().map(|&value| PossibleValue::new(name(value)).help(help(value))))
-        .map(move |text| *all.iter().find(|value| name(**value) == text).expect("the parser let it pass"))
+/// Parses one of the library's named values, and lists them in help and errors.
+pub(crate) fn one_of<T: Choice>() -> impl TypedValueParser<Value = T> {
+    let values = T::ALL.iter().map(|choice| PossibleValue::new(choice.word()).help(choice.meaning()));
+    PossibleValuesParser::new(values).map(|text| T::of_word(&text).expect("the parser let it pass"))
 }

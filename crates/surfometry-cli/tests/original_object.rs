@@ -140,7 +140,7 @@ fn maps_at_a_scale_of_their_own() {
     let document: Value = serde_json::from_str(&std::fs::read_to_string(record).unwrap()).unwrap();
     let parameters = &document["results"][0]["parameters"];
     assert_eq!(parameters["sigma_mm"], 2.0);
-    let sigma = parameters["curvature_sigma_mm"].as_f64().unwrap();
+    let sigma = document["results"][0]["curvature_sigma_mm"].as_f64().unwrap();
     // 0.66 h^(2/7) R^(5/7), and more where curvature hardly varies, at most 0.49 of 2 V / A.
     let rule = 0.66 * 30f64.powf(5.0 / 7.0);
     assert!((1.15 * rule..0.49 * 20.0).contains(&sigma), "{sigma}");

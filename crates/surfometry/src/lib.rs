@@ -1,9 +1,13 @@
 #![doc = include_str!("../README.md")]
 
 pub mod accuracy;
+mod choice;
 #[cfg(feature = "io")]
 pub mod comparison;
+mod control;
 pub mod embedding;
+#[cfg(feature = "io")]
+pub mod inputs;
 pub mod integrals;
 #[cfg(feature = "io")]
 pub mod io;
@@ -26,4 +30,6 @@ pub mod validation;
 pub mod volume;
 pub mod voxelisation;
 
+pub use choice::{Choice, UnknownChoice};
+pub use control::{Control, Event, Stopped};
 pub use measurement::Measurement;

@@ -4,6 +4,7 @@ mod common;
 
 use common::{codes, measure, phantom, poses};
 use surfometry::Measurement;
+use surfometry::inputs::OpenOptions;
 use surfometry::measurement::{DescribedSurface, EmbeddingKind, Measured};
 use surfometry::phantoms::{Ball, Phantom, Pose, RoundedBox, Torus, TwoBalls};
 use surfometry::volume::{FieldImage, FieldValues, Grid, Mask};
@@ -288,12 +289,13 @@ fn fields_with_flat_spots() {
 
 #[test]
 fn truth_that_cannot_be_had() {
-    let known = surfometry::runs::open_labels("phantom:schwarz-p", None).unwrap();
-    assert!(known.truth.is_some() && known.flags.is_empty());
+    let open = |name: &str| surfometry::inputs::open(name, &OpenOptions::default()).unwrap();
+    let known = open("phantom:schwarz-p");
+    assert!(known.truth().is_some() && known.flags().is_empty());
     // Ten periods: a lattice fine enough for the quadrature would take minutes, so it is not tried.
-    let fine = surfometry::runs::open_labels("phantom:gyroid?period=6&size=60", None).unwrap();
-    assert!(fine.truth.is_none());
-    assert_eq!(fine.flags[0].code.to_string(), "truth-not-converged");
+    let fine = open("phantom:gyroid?period=6&size=60");
+    assert!(fine.truth().is_none());
+    assert_eq!(fine.flags()[0].code.to_string(), "truth-not-converged");
 }
 
 /// Two balls with a gap of 1.5 sigma, and of 3 sigma, which the band does not reach; a block with a fin of 2 sigma, and one of 5.

@@ -3,6 +3,7 @@
 
 use std::f64::consts::{PI, TAU};
 
+use surfometry::Choice;
 use surfometry::integrals::{SmearedDelta, Smearing};
 use surfometry::pictures::{
     Background, Camera, ColorScale, ColoredSurface, Figure, HistogramPicture, HistogramSeries, PictureError,
@@ -83,7 +84,7 @@ fn a_sphere_is_a_disc_of_its_size_and_its_left_mirrors_its_right() {
     let mesh = sphere(10.0, [0.0; 3]);
     let colors = vec![[200, 120, 80]; mesh.vertices.len()];
     let surface = ColoredSurface { mesh: &mesh, colors: &colors, normals: &mesh.vertices };
-    for view in View::ALL {
+    for &view in View::ALL {
         let raster = render_surface(&surface, &camera(view, 0.1, [260, 240]), Background::Transparent);
         let cover: f64 = raster.rgba.chunks_exact(4).map(|p| f64::from(p[3]) / 255.0).sum();
         assert!((cover / (PI * 1e4) - 1.0).abs() < 3e-3, "{view} {cover}");
@@ -195,7 +196,7 @@ fn the_upper_half_is_red_where_values_grow_upward() {
 #[test]
 fn the_same_bits_on_any_number_of_threads() {
     let mesh = sphere(10.0, [3.0, 2.0, 1.0]);
-    let draw = || surface_figure(&mesh, "Threads", &View::ALL).to_png(0.7).unwrap();
+    let draw = || surface_figure(&mesh, "Threads", View::ALL).to_png(0.7).unwrap();
     assert_eq!(on_threads(1, draw), on_threads(2, draw));
     let ball = Ball::new(8.0, [1.0, 1.0, 1.0], [26; 3]);
     let render =
@@ -206,7 +207,7 @@ fn the_same_bits_on_any_number_of_threads() {
 #[test]
 fn nothing_panics_on_what_has_no_picture() {
     let empty = Mesh::default();
-    let figure = surface_figure(&empty, "", &View::ALL);
+    let figure = surface_figure(&empty, "", View::ALL);
     assert!(figure.svg().contains("no surface") && figure.to_png(1.0).is_ok());
     assert!(surface_figure(&empty, "", &[]).to_png(1.0).is_ok());
     let mut broken = sphere(5.0, [0.0; 3]);

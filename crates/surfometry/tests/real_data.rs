@@ -8,7 +8,7 @@ use common::shared;
 use surfometry::Measurement;
 use surfometry::io::read_labels;
 use surfometry::measurement::{Clip, Derivatives, EmbeddingKind, Measured};
-use surfometry::runs::{InputOptions, measure_input};
+use surfometry::runs::{Plan, records_of};
 use surfometry::topology::VoxelTopology;
 use surfometry::volume::{Grid, Mask};
 
@@ -114,9 +114,7 @@ fn topology_of_every_label_is_scikit_images() {
 #[cfg_attr(not(shared_data), ignore = "../shared/data is absent")]
 fn nine_vertebrae_of_a_scan() {
     let input = shared("bone/sub-verse004_seg-vert_msk.nii.gz");
-    let m = Measurement::default();
-    let records =
-        measure_input(input.to_str().unwrap(), &m, &InputOptions::default(), |_| {}).unwrap().records;
+    let records = records_of(input.to_str().unwrap(), &Plan::default()).unwrap();
     let labels: Vec<String> = records.iter().map(|r| r.label.as_ref().unwrap().to_string()).collect();
     assert_eq!(labels, (16..=24).map(|l: i32| l.to_string()).collect::<Vec<_>>());
     for record in records {
@@ -139,10 +137,7 @@ fn nine_vertebrae_of_a_scan() {
 fn three_slices_give_no_absurd_numbers() {
     for name in ["liver_seg.nrrd", "spine_seg.nrrd"] {
         let input = shared("formats/original").join(name);
-        let m = Measurement::default();
-        for record in
-            measure_input(input.to_str().unwrap(), &m, &InputOptions::default(), |_| {}).unwrap().records
-        {
+        for record in records_of(input.to_str().unwrap(), &Plan::default()).unwrap() {
             let m = &record.measured;
             let codes = common::codes(m);
             println!("{name} {codes:?} {:?} {:?}", m.blurred.values, m.values);

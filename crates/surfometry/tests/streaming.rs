@@ -59,7 +59,6 @@ fn stack() -> LabelImage {
 fn without_times(results: &[(LabelGroup, Measured)]) -> Vec<String> {
     let text = |(group, measured): &(LabelGroup, Measured)| {
         let mut measured = measured.clone();
-        measured.seconds = 0.0;
         measured.timings = StageSeconds::default();
         // Debug prints every digit of an f64.
         format!("{group} {measured:?}")

@@ -8,12 +8,12 @@ use surfometry::Measurement;
 use surfometry::io::{MeshDocument, read_labels, read_mesh, write_mesh};
 use surfometry::phantoms::{Ellipsoid, Pose, Torus};
 use surfometry::surface::Mesh;
-use surfometry::volume::{LabelImage, Mask, Spacing};
+use surfometry::volume::{Mask, Spacing};
 use surfometry::voxelisation::{VoxeliseError, VoxelisedMesh};
 
 fn voxels(mesh: &Mesh, spacing: [f64; 3]) -> Mask {
-    let mut voxelised = VoxelisedMesh::new(mesh, Spacing::new(spacing).unwrap()).unwrap();
-    LabelImage::from_slabs(&mut voxelised).unwrap().mask(1)
+    let voxelised = VoxelisedMesh::new(mesh, Spacing::new(spacing).unwrap()).unwrap();
+    voxelised.labels().unwrap().mask(1)
 }
 
 /// A box with corners at given places, two triangles a side.

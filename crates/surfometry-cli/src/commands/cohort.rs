@@ -1,7 +1,7 @@
 //! `surfometry cohort`.
 
 use super::ALL_DONE;
-use crate::progress::progress_bar;
+use crate::console::progress_bar;
 use anyhow::Result;
 use std::path::PathBuf;
 use surfometry::phantoms::cohort;

@@ -1,21 +1,14 @@
 //! `surfometry measure`.
 
-use super::{ALL_DONE, SOME_FAILED};
-use crate::inputs::{expand, grey_image_warning};
-use crate::options::{MeasureOptions, OutputFormat, OutputOptions};
-use crate::output::{
-    check_output, csv_text, deliver, failures_text, json_text, memory_text, say, table_text, timings_text,
-};
-use crate::progress::{progress_bar, said_failure};
+use crate::console::{Voice, control};
+use crate::inputs::expand;
+use crate::options::{MeasureOptions, OutputOptions};
+use crate::output::{check_output, record_tables, say, write_results};
 use anyhow::{Result, bail};
-use std::cell::Cell;
-use std::io::IsTerminal;
-use std::path::{Path, PathBuf};
-use surfometry::Measurement;
+use std::path::PathBuf;
 use surfometry::measurement::CurvatureScale;
 use surfometry::runs::{
-    ExplainTopology, Failure, FileLedger, InputError, InputOptions, InputRecords, MapFile, MapStyle, Output,
-    Record, distinct_parts, measure_input, visit_objects, with_parts, write_map_files,
+    Batch, ExplainTopology, FileLedger, MapFile, MapStyle, MeasureTask, Pictures, Plan, SigmaRange,
 };
 
 /// Measure the objects of label images
@@ -26,7 +19,7 @@ use surfometry::runs::{
 /// spacing, rotate, shift, jitter. A closed mesh (STL, PLY) is put on the lattice of --spacing.
 ///
 /// Exit status: 0 all measured, 1 some inputs failed (they are listed, the others are measured), 2 the command was
-/// wrong.
+/// wrong, 130 stopped by Ctrl-C.
 #[derive(Debug, clap::Args)]
 #[expect(clippy::struct_excessive_bools, reason = "each is a switch of the command line")]
 pub(crate) struct Args {
@@ -57,65 +50,35 @@ pub(crate) struct Args {
 }
 
 pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
-    let measurement = args.options.measurement()?;
-    let wanted = InputOptions {
-        explain_topology: if args.explain { ExplainTopology::Always } else { ExplainTopology::default() },
+    let explain_topology = if args.explain { ExplainTopology::Always } else { ExplainTopology::default() };
+    let plan = Plan {
+        explain_topology,
         per_component: args.per_component,
-        ..args.options.inputs(CurvatureScale::AsMeasured)
+        ..args.options.plan(CurvatureScale::AsMeasured)?
     };
+    plan.check()?;
     let inputs = expand(&args.inputs);
     check_output(args.results.path(), &inputs)?;
     check_output(args.png.as_deref(), &inputs)?;
     check_picture(args)?;
-    let progress = progress_bar(inputs.len(), quiet);
-    let (mut results, mut failures) = (Vec::new(), Vec::new());
-    let (mut ledger, mut all_drawn) = (FileLedger::new(&inputs), true);
-    for (input, part) in inputs.iter().zip(distinct_parts(&inputs)) {
-        progress.set_message(input.clone());
-        let warned = Cell::new(quiet);
-        let outcome = measure_input(input, &measurement, &wanted, |at| {
-            if let Some(warning) = grey_image_warning(input, at.labels).filter(|_| !warned.replace(true)) {
-                progress.suspend(|| say(&warning));
-            }
-            progress.set_message(format!("{input}, slice {} of {}", at.slices, at.of_slices));
-        });
-        match outcome {
-            Ok(InputRecords { records, read_seconds, decode_seconds }) => {
-                if args.timings {
-                    progress.suspend(|| say(&timings_text(input, &records, read_seconds, decode_seconds)));
-                }
-                if args.verbose {
-                    progress.suspend(|| say(&memory_text(input)));
-                }
-                results.extend(records);
-                if let Some(path) = &args.png {
-                    let path = with_parts(path, part.as_slice());
-                    for failure in draw(input, &measurement, &wanted, &path, &mut ledger) {
-                        progress.suspend(|| say(&format!("no picture: {failure}")));
-                        all_drawn = false;
-                    }
-                }
-            }
-            Err(error) => failures.push(said_failure(&progress, input, &error)),
+    let (path, style, ledger) = (args.png.clone(), MapStyle::default(), FileLedger::new(&inputs));
+    let pictures = path.map(|path| Pictures { path, style, ledger });
+    let open = plan.open;
+    let task = MeasureTask { plan, pictures, timings: args.timings };
+    let control = control(inputs.len(), Voice { quiet, memory: args.verbose });
+    let batch = Batch { inputs: &inputs, open, control: &control };
+    write_results(&args.results, record_tables(args.explain), |sink| {
+        let mut sigmas = SigmaRange::new(sink);
+        let outcome = batch.run(&task, &mut sigmas)?;
+        let automatic = !quiet && args.options.sigma_is_automatic();
+        if let Some([low, high]) = sigmas.differing().filter(|_| automatic) {
+            say(&format!(
+                "the images differ in spacing, so the automatic sigma ran from {low:.4} to {high:.4} mm; use --sigma \
+                 {high:.4} to make the results comparable"
+            ));
         }
-        progress.inc(1);
-    }
-    progress.finish_and_clear();
-    if !quiet && args.options.sigma_is_automatic() {
-        warn_of_mixed_sigma(&results);
-    }
-    let output = Output::new(results, failures);
-    let text = match args.results.format() {
-        // A terminal has shown the failures already.
-        OutputFormat::Table if args.results.path().is_none() && std::io::stdout().is_terminal() => {
-            table_text(&output, args.explain)
-        }
-        OutputFormat::Table => table_text(&output, args.explain) + &failures_text(&output),
-        OutputFormat::Json => json_text(&output)?,
-        OutputFormat::Csv => csv_text(&output)?,
-    };
-    deliver(&text, args.results.path())?;
-    Ok(if output.failures.is_empty() && all_drawn { ALL_DONE } else { SOME_FAILED })
+        Ok(outcome)
+    })
 }
 
 fn check_picture(args: &Args) -> Result<()> {
@@ -127,38 +90,4 @@ fn check_picture(args: &Args) -> Result<()> {
         bail!("{}: named twice, for the results and for the picture", path.display());
     }
     Ok(())
-}
-
-/// Draws the surfaces of an input's objects; what could not be drawn. That an object has no surface is in its record, and nothing
-/// to draw.
-fn draw(
-    input: &str,
-    measurement: &Measurement,
-    wanted: &InputOptions,
-    path: &Path,
-    ledger: &mut FileLedger,
-) -> Vec<Failure> {
-    let mut failures = Vec::new();
-    let outcome = visit_objects(input, measurement, wanted, |source| {
-        match write_map_files(source, path, &MapStyle::default(), ledger) {
-            Ok(_) | Err(InputError::NoSurface) => {}
-            Err(error) => failures.push(source.failure(&error)),
-        }
-        Ok(())
-    });
-    failures.extend(outcome.err().map(|error| Failure::new(input, &error)));
-    failures
-}
-
-/// An automatic sigma follows the spacing; numbers of images that differ in it are then not comparable.
-fn warn_of_mixed_sigma(results: &[Record]) {
-    let sigmas = results.iter().filter_map(|r| r.measured.parameters.sigma_mm);
-    let (low, high) = sigmas.fold((f64::INFINITY, 0.0f64), |(low, high), s| (low.min(s), high.max(s)));
-    // Spacings written in f32 differ in the seventh digit.
-    if low < high * (1.0 - 1e-5) {
-        say(&format!(
-            "the images differ in spacing, so the automatic sigma ran from {low:.4} to {high:.4} mm; use --sigma {high:.4} \
-             to make the results comparable"
-        ));
-    }
 }

@@ -5,8 +5,9 @@ use crate::output::{check_output, deliver, json_text, say};
 use anyhow::{Context, Result};
 use serde_json::json;
 use std::path::{Path, PathBuf};
+use surfometry::inputs::{OpenOptions, open};
 use surfometry::io::write_labels;
-use surfometry::runs::open_labels;
+use surfometry::volume::LabelImage;
 
 /// Write a phantom as NIfTI, and its exact integrals beside it as JSON
 #[derive(Debug, clap::Args)]
@@ -23,12 +24,14 @@ pub(crate) fn run(args: &Args) -> Result<u8> {
     let spec = format!("phantom:{name}");
     let truth_path = truth_path(&args.output)?;
     check_output(Some(&args.output), &[])?;
-    let source = open_labels(&spec, None).with_context(|| spec.clone())?;
-    if source.image.summaries().is_empty() {
+    let source = open(&spec, &OpenOptions::default()).with_context(|| spec.clone())?;
+    let slabs = source.slabs().and_then(|mut slabs| LabelImage::from_slabs(&mut slabs));
+    let image = slabs.with_context(|| spec.clone())?;
+    if image.summaries().is_empty() {
         say(&format!("{spec}: no voxel lies inside; the shape is small against the spacing"));
     }
-    write_labels(&args.output, &source.image).with_context(|| args.output.display().to_string())?;
-    let truth = json!({ "phantom": spec, "truth": source.truth });
+    write_labels(&args.output, &image).with_context(|| args.output.display().to_string())?;
+    let truth = json!({ "phantom": spec, "truth": source.truth() });
     deliver(&json_text(&truth)?, Some(&truth_path))?;
     Ok(ALL_DONE)
 }

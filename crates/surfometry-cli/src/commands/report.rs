@@ -1,16 +1,15 @@
 //! `surfometry report`.
 
-use super::{ALL_DONE, SOME_FAILED};
+use super::SOME_FAILED;
+use crate::console::{Voice, control};
 use crate::inputs::expand;
 use crate::options::{CurvatureOptions, MeasureOptions};
-use crate::output::{check_output, deliver, say};
-use crate::progress::{announce, progress_bar, said_failure};
+use crate::output::{check_output, deliver, say, status};
 use anyhow::Result;
-use indicatif::ProgressBar;
 use std::path::PathBuf;
-use surfometry::Measurement;
-use surfometry::report::{MOST_TRIANGLES, ObjectReport, Provenance, Report, Source, render};
-use surfometry::runs::{InputError, InputOptions, input_title, visit_objects};
+use surfometry::inputs::input_title;
+use surfometry::report::{Provenance, Report, ReportPart, ReportTask, render};
+use surfometry::runs::{Batch, Collected};
 
 /// Write one HTML page with the numbers, the surface to turn, its distributions, slices, method and provenance
 ///
@@ -34,49 +33,35 @@ pub(crate) struct Args {
 }
 
 pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
-    let measurement = args.options.measurement()?;
-    let wanted = args.options.inputs(args.curvature.scale());
+    let plan = args.options.plan(args.curvature.scale())?;
     let inputs = expand(&args.inputs);
     check_output(Some(&args.output), &inputs)?;
-    let progress = progress_bar(inputs.len(), quiet);
-    let (mut objects, mut sources, mut failures) = (Vec::new(), Vec::new(), Vec::new());
-    for input in &inputs {
-        match add_input(input, &measurement, &wanted, &progress, &mut objects) {
-            Ok(source) => sources.push(source),
-            Err(error) => failures.push(said_failure(&progress, input, &error)),
+    let control = control(inputs.len(), Voice { quiet, memory: false });
+    let batch = Batch { inputs: &inputs, open: plan.open, control: &control };
+    let mut parts = Collected::default();
+    let outcome = batch.run(&ReportTask::new(plan), &mut parts)?;
+    let (mut objects, mut sources) = (Vec::new(), Vec::new());
+    for part in parts.results {
+        match part {
+            ReportPart::Object(object) => objects.push(*object),
+            ReportPart::Source(source) => sources.push(source),
         }
-        progress.inc(1);
     }
-    progress.finish_and_clear();
-    if objects.is_empty() {
+    if objects.is_empty() && !outcome.stopped {
         say(&format!("{}: not written, for there is nothing to show", args.output.display()));
         return Ok(SOME_FAILED);
     }
-    let status = if failures.is_empty() { ALL_DONE } else { SOME_FAILED };
+    if outcome.stopped {
+        say(&format!("{}: not written, for not all inputs are done", args.output.display()));
+        return Ok(status(outcome));
+    }
     let title = args.title.clone().unwrap_or_else(|| match inputs.as_slice() {
         [one] => input_title(one),
         many => format!("{} images", many.len()),
     });
     let command: Vec<String> = std::env::args().collect();
     let provenance = Provenance::new(command.join(" "), sources);
-    deliver(&render(&Report { title, objects, failures, provenance })?, Some(&args.output))?;
-    Ok(status)
-}
-
-/// Adds a section for each object of an input.
-fn add_input(
-    input: &str,
-    measurement: &Measurement,
-    wanted: &InputOptions,
-    progress: &ProgressBar,
-    sections: &mut Vec<ObjectReport>,
-) -> Result<Source, InputError> {
-    visit_objects(input, measurement, wanted, |source| {
-        announce(progress, source);
-        let shown: u64 =
-            sections.iter().filter(|s| s.scene.is_some()).filter_map(ObjectReport::triangles).sum();
-        sections.push(ObjectReport::of(source, MOST_TRIANGLES.saturating_sub(shown as usize))?);
-        Ok(())
-    })?;
-    Ok(Source::of(input)?)
+    let page = render(&Report { title, objects, failures: parts.failures, provenance })?;
+    deliver(&page, Some(&args.output))?;
+    Ok(status(outcome))
 }

@@ -1,14 +1,14 @@
 //! `surfometry validate`.
 
 use super::ALL_DONE;
+use crate::console::progress_bar;
 use crate::options::positive;
-use crate::output::{Layout, check_output, deliver, json_text};
-use crate::progress::progress_bar;
+use crate::output::{check_output, deliver, json_text, validation_table};
 use anyhow::{Result, bail};
 use clap::ValueEnum;
 use serde_json::json;
 use std::path::PathBuf;
-use surfometry::validation::{Summary, Validation, ZOO, summarise};
+use surfometry::validation::{Validation, ZOO, summarise};
 
 /// Measure a zoo of shapes with exact truth, in many poses, and print how far off the numbers are
 ///
@@ -72,7 +72,7 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
     progress.finish_and_clear();
     let summaries = summarise(&results);
     let text = match args.format {
-        Format::Table => table(&summaries),
+        Format::Table => validation_table(&summaries),
         Format::Json => json_text(&json!({
             "schema": "surfometry.validate/1",
             "version": env!("CARGO_PKG_VERSION"),
@@ -82,55 +82,4 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
     };
     deliver(&text, args.output.as_deref())?;
     Ok(ALL_DONE)
-}
-
-const COLUMNS: [&str; 15] = [
-    "shape",
-    "R",
-    "ratio",
-    "V blurred",
-    "A blurred",
-    "M blurred",
-    "V",
-    "A",
-    "M",
-    "95 %",
-    "chi",
-    "local H",
-    "K",
-    "place",
-    "95 % H K",
-];
-
-fn table(summaries: &[Summary]) -> String {
-    let mut layout = Layout::new(&COLUMNS);
-    for s in summaries {
-        let percent = |v: f64| format!("{v:+.3}");
-        let short =
-            |v: Option<f64>, digits: usize| v.map_or_else(|| "-".to_owned(), |v| format!("{v:.digits$}"));
-        let name = if s.tuned { s.shape.to_owned() } else { format!("{} *", s.shape) };
-        let (p, c) = (&s.worst_blurred, &s.worst_original);
-        layout.row(vec![
-            name,
-            format!("{}", s.resolution),
-            format!("{}", s.ratio),
-            percent(p.volume),
-            percent(p.surface_area),
-            percent(p.total_mean_curvature),
-            percent(c.volume),
-            percent(c.surface_area),
-            percent(c.total_mean_curvature),
-            short(s.coverage, 0),
-            format!("{:+.3}{}", s.worst_euler_characteristic, if s.wrong_meshes > 0 { " !" } else { "" }),
-            short(s.mean_curvature, 1),
-            short(s.gaussian_curvature, 1),
-            short(s.position_voxels, 3),
-            s.local_coverage.map_or_else(|| "-".to_owned(), |[h, k]| format!("{h:.0} {k:.0}")),
-        ]);
-    }
-    layout.text()
-        + "\nR: 1 / rms of the larger principal curvature, in units of the largest spacing; ratio: largest over smallest spacing; * constants were not tuned on \
-           such shapes.\nV, A, M: the largest error over the poses, in % of the exact value, of the blurred and of the original object; \
-           95 %: share of the original object's values within 1.96 standard errors.\nchi: the largest error of Gauss-Bonnet; ! where the mesh's differs. local H, K: rms error at \
-           the vertices in % of 1/R and 1/R^2; place: rms distance from the exact surface in voxels; 95 % H K: share of the surface within the error bars.\n"
 }

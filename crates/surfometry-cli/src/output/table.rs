@@ -1,10 +1,11 @@
 //! Results as a table for people.
 
+use super::TableStyle;
 use comfy_table::{CellAlignment, Table, presets};
 use std::fmt::Write;
 use surfometry::accuracy::{CompensatedIntegrals, CompensationTerms, Flag, FlagCode};
 use surfometry::measurement::{ChangeStage, DescribedSurface, EmbeddingKind, SurfaceValues};
-use surfometry::runs::{Output, Record};
+use surfometry::runs::Record;
 
 /// A plain table with columns of numbers.
 pub(crate) struct Layout(Table);
@@ -29,24 +30,16 @@ impl Layout {
 const COLUMNS: [&str; 8] =
     ["label", "surface", "volume mm³", "area mm²", "total H mm", "mean H 1/mm", "chi", "chi mesh"];
 
-/// `explain`: with the terms of the compensation.
-pub(crate) fn table_text(output: &Output, explain: bool) -> String {
-    let by_input = output.results.chunk_by(|a, b| a.input == b.input);
-    let mut text = by_input.map(|records| input_text(records, explain)).collect::<Vec<_>>().join("\n");
-    if output.results.iter().any(|r| r.measured.parameters.sigma_mm.is_some()) {
-        text += "\noriginal: the object as it was segmented, s.e.: its standard error; blurred: the smoothed surface that was \
-                 integrated over; voxels: counted. H > 0 on a ball; chi is the surface's (ball 2, torus 0).\n";
-    }
-    text
-}
+/// What stands below tables of blurred objects.
+const LEGEND: &str = "original: the object as it was segmented, s.e.: its standard error; blurred: the smoothed surface that was \
+                      integrated over; voxels: counted. H > 0 on a ball; chi is the surface's (ball 2, torus 0).";
 
-/// Inputs that were not measured, for a table that goes where stderr does not.
-pub(crate) fn failures_text<R>(output: &Output<R>) -> String {
-    if output.failures.is_empty() {
-        return String::new();
+/// Tables of records; `explain`: with the terms of the compensation and the places where topology changed.
+pub(crate) fn record_tables(explain: bool) -> TableStyle<Record> {
+    TableStyle {
+        of_input: Box::new(move |records| input_text(records, explain)),
+        legend: Some((LEGEND.to_owned(), |record| record.measured.parameters.sigma_mm.is_some())),
     }
-    let lines: Vec<String> = output.failures.iter().map(|failure| format!("  {failure}\n")).collect();
-    format!("\nnot measured:\n{}", lines.concat())
 }
 
 fn input_text(records: &[Record], explain: bool) -> String {

@@ -1,11 +1,10 @@
 //! Weights with which voxels enter an integral.
 
-use serde::{Deserialize, Serialize};
+use crate::choice::choices;
 use std::ops::Range;
 
 /// How a volume integral is summed.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum QuadratureRule {
     /// Every voxel counts its volume. On a band of compact support this is the trapezoid rule, which is spectrally
     /// accurate there.
@@ -15,6 +14,11 @@ pub enum QuadratureRule {
     /// a grid of twice the spacing back in: about +0.8 % in area at t = 2.5 voxels. Kept to reproduce the paper.
     Simpson,
 }
+
+choices!(QuadratureRule, "quadrature": {
+    Sum = "sum": "Every voxel counts its volume",
+    Simpson = "simpson": "Simpson's rule along each axis (the paper)",
+});
 
 /// A rule and where it is anchored.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

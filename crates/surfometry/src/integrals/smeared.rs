@@ -1,11 +1,10 @@
 //! Smeared Heaviside and delta.
 
-use serde::{Deserialize, Serialize};
+use crate::choice::choices;
 use std::f64::consts::{FRAC_1_PI, PI};
 
 /// Profile of the smeared delta.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Smearing {
     /// (1 + cos(pi x / eps)) / (2 eps) on |x| <= eps (the paper).
     #[default]
@@ -14,6 +13,11 @@ pub enum Smearing {
     /// saturates, if that is nearer) and renormalised.
     Tanh,
 }
+
+choices!(Smearing, "delta": {
+    Sine = "sine": "A raised cosine (the paper)",
+    Tanh = "tanh": "The derivative of a hyperbolic tangent, cut where the field saturates",
+});
 
 /// Variance of the sine delta in units of eps^2: 1/3 - 2/pi^2.
 const SINE_VARIANCE: f64 = 1.0 / 3.0 - 2.0 / (PI * PI);

@@ -2,6 +2,7 @@
 
 mod encoding;
 mod error;
+mod growing_file;
 mod header;
 mod mesh;
 mod metaimage;
@@ -14,6 +15,7 @@ mod voxel_stream;
 mod whole_file;
 
 pub use error::ReadError;
+pub use growing_file::{GrowingFile, ResultOutput};
 pub use header::{Format, ImageHeader};
 pub use mesh::{MeshDocument, MeshFormat, is_mesh, mesh_paths, read_mesh, write_mesh};
 pub use nifti_writer::{write_labels, write_voxel_map};

@@ -28,6 +28,11 @@ impl VoxelStream {
     pub fn open(path: &Path, options: ReadOptions) -> Result<Self, ReadError> {
         let header = super::read_header(path)?;
         let grid = header.grid(options.spacing)?;
+        Self::of_header(header, grid)
+    }
+
+    /// Opens the data of a file whose header was read.
+    pub(crate) fn of_header(header: ImageHeader, grid: Grid) -> Result<Self, ReadError> {
         let file_nanoseconds = Arc::default();
         let voxels = encoding::open(&header.data, total_bytes(&header), &file_nanoseconds)?;
         Ok(Self { header, grid, voxels, next_slice: 0, buffer: Vec::new(), file_nanoseconds })
@@ -36,11 +41,6 @@ impl VoxelStream {
     /// The file's header.
     pub fn header(&self) -> &ImageHeader {
         &self.header
-    }
-
-    /// How long the file itself has taken, decompression left out.
-    pub fn file_time(&self) -> Duration {
-        Duration::from_nanos(self.file_nanoseconds.load(Ordering::Relaxed))
     }
 
     fn fill(&mut self, bytes: usize) -> Result<(), ReadError> {
@@ -86,6 +86,10 @@ impl SlabReader for VoxelStream {
 
     fn grid(&self) -> &Grid {
         &self.grid
+    }
+
+    fn file_time(&self) -> Duration {
+        Duration::from_nanos(self.file_nanoseconds.load(Ordering::Relaxed))
     }
 
     fn next_slab(&mut self) -> Result<Option<Slab>, ReadError> {

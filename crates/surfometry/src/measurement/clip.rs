@@ -3,16 +3,15 @@
 use super::scheme::{Scheme, with_scheme};
 use super::setup::Setup;
 use super::{MeasureError, Measurement};
+use crate::choice::choices;
 use crate::integrals::Band;
 use crate::local_geometry::{BandVoxel, Differentiation};
 use crate::tiling::IndexBox;
 use crate::volume::Mask;
 use serde::{Deserialize, Serialize};
-use std::fmt;
 
 /// What becomes of an object where the edge of the image cuts it.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Clip {
     /// It is closed there with a flat cap, as the paper does: volume, area and curvature are those of a closed object.
     #[default]
@@ -21,11 +20,10 @@ pub enum Clip {
     Exclude,
 }
 
-impl fmt::Display for Clip {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        self.serialize(f)
-    }
-}
+choices!(Clip, "clip": {
+    Cap = "cap": "Closed with a flat cap, which counts",
+    Exclude = "exclude": "Measured between sections 3 sigma inside the cuts",
+});
 
 /// How far from a cut the measured part ends, in units of sigma. What the mirror image gets wrong weighs g(3) = 0.4 % there.
 const RIM: f64 = 3.0;
@@ -34,7 +32,7 @@ const CONTINUED: f64 = 6.0;
 
 /// An object that the image cuts, continued beyond it, and the part of it that is measured.
 #[derive(Debug, Clone)]
-pub struct CutObject {
+pub(super) struct CutObject {
     /// The object with its mirror image beyond each face that cuts it.
     pub(super) continued: Mask,
     pub(super) part: MeasuredPart,
@@ -73,14 +71,14 @@ impl Measurement {
     ///
     /// # Errors
     /// [`MeasureError`] for parameters that make no sense, or an embedding without a blur.
-    pub fn cut(&self, mask: &Mask) -> Result<Option<CutObject>, MeasureError> {
+    pub(super) fn cut(&self, mask: &Mask) -> Result<Option<CutObject>, MeasureError> {
         if self.clip == Clip::Cap || !mask.touches_border() {
             return Ok(None);
         }
         let setup = Setup::of_masks(self, *mask.grid())?;
         Scheme::check_reach(&setup)?;
         let profile = setup.parameters.profile().ok_or(MeasureError::Conflict(
-            "--clip exclude needs a field that is smooth across the cut: use the Gaussian or the corrected embedding",
+            "to leave the cuts out needs a field that is smooth across them: use the Gaussian or the corrected embedding",
         ))?;
         let widest = profile.terms().iter().fold(0.0, |widest: f64, (_, sigma)| widest.max(*sigma));
         let spacing = mask.grid().spacing().mm();

@@ -92,13 +92,13 @@ pub struct WeakestGradient {
 /// Share of the band's levels below which a change inside it is not told.
 const LEAST_SHARE: f64 = 0.005;
 
-impl Object<'_> {
+impl Object {
     /// Where the blur and the band change the object's topology; `None` where there is no blur, or it leaves nothing.
     ///
     /// The voxels are compared with the solids inside three levels of phi: 0, and both ends of the band. The sum of the blur's changes is
     /// exactly the difference of the Euler numbers of the voxels and of those inside phi = 0 (26-connected).
     pub fn explain_topology(&self) -> Option<TopologyExplanation> {
-        let scheme = self.scheme.as_ref().filter(|_| self.setup.parameters.embedding.is_blur())?;
+        let scheme = self.scheme().filter(|_| self.setup.parameters.embedding.is_blur())?;
         let half_width = self.delta().half_width();
         let phi = self.voxel_map(VoxelQuantity::Phi, &scheme.limits(half_width))?;
         let below = |level: f64| Mask::of_values(*self.grid(), &phi, |phi| f64::from(phi) < level);
@@ -109,7 +109,7 @@ impl Object<'_> {
         let surface = below(0.0);
         // From far levels to 0: what is deepest on its new side first.
         let mut changes: Vec<LocatedChange> =
-            topology_changes(&self.mask, &surface, |voxel| -at(voxel).abs())
+            topology_changes(self.mask(), &surface, |voxel| -at(voxel).abs())
                 .iter()
                 .map(|change| located(ChangeStage::Blur, change, 1.0))
                 .collect();

@@ -6,10 +6,11 @@ use crate::accuracy::{PILOT_SPACINGS, auto_curvature_sigma, balanced_sigma, rms_
 use crate::integrals::{Integrals, QuadratureRule};
 use crate::local_geometry::Curvature;
 use crate::tiling::{IndexBox, TILE};
-use crate::volume::Mask;
+use crate::volume::{Mask, Shared};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::f64::consts::SQRT_2;
+use std::sync::Arc;
 
 /// Fewest voxels that tell how curvature changes with scale.
 const FEWEST_CHANGES: usize = 100;
@@ -34,23 +35,28 @@ impl Measurement {
     ///
     /// # Errors
     /// [`MeasureError`] for an empty mask, an embedding without a blur, or a sigma that makes no sense.
-    pub fn for_local_curvature(&self, mask: &Mask, scale: CurvatureScale) -> Result<Self, MeasureError> {
+    pub fn for_local_curvature(
+        &self,
+        mask: impl Shared<Mask>,
+        scale: CurvatureScale,
+    ) -> Result<Self, MeasureError> {
         if scale != CurvatureScale::AsMeasured && !self.embedding.is_blur() {
             return Err(MeasureError::Conflict(
-                "a scale for curvature belongs to the Gaussian and corrected embeddings: leave --curvature-sigma out",
+                "a scale for curvature belongs to the Gaussian and corrected embeddings: leave it out",
             ));
         }
+        let mask = mask.shared();
         let sigma = match scale {
             CurvatureScale::AsMeasured => return Ok(*self),
             CurvatureScale::Mm(sigma) => sigma,
-            CurvatureScale::Auto => self.scale_of(mask)?,
+            CurvatureScale::Auto => self.scale_of(&mask)?,
         };
         let local = Self {
             embedding: EmbeddingKind::Corrected,
             sigma: Some(sigma),
             thickness: None,
             epsilon: None,
-            level: 0.5,
+            level: None,
             quadrature: QuadratureRule::Sum,
             derivatives: None,
             ..*self
@@ -58,7 +64,7 @@ impl Measurement {
         Parameters::resolve(&local, mask.grid().spacing()).map(|_| local)
     }
 
-    fn scale_of(&self, mask: &Mask) -> Result<f64, MeasureError> {
+    fn scale_of(&self, mask: &Arc<Mask>) -> Result<f64, MeasureError> {
         let spacing = mask.grid().spacing();
         let pilot = Self { delta: self.delta, ..Self::default() };
         // Where the pilot's blur leaves nothing, an object is so small that half of it may.
@@ -82,7 +88,7 @@ impl Measurement {
     /// `None` where there are too few to tell.
     fn changes_with_scale(
         &self,
-        mask: &Mask,
+        mask: &Arc<Mask>,
         sigma: f64,
         radius: f64,
     ) -> Result<Option<[f64; 2]>, MeasureError> {
@@ -102,7 +108,7 @@ impl Measurement {
                 // Where the surface has gone elsewhere, curvature has changed altogether.
                 others.each_ref().map(|other| other.get(index).map_or(1.0, difference))
             };
-            curvatures(middle.0, tile, middle.1).iter().map(change).collect::<Vec<_>>()
+            curvatures(&middle.0, tile, middle.1).iter().map(change).collect::<Vec<_>>()
         };
         let tiles = middle.0.limits(middle.1).tiles(TILE);
         let changes: Vec<[f64; 2]> = tiles.par_iter().map(of_tile).flatten().collect();

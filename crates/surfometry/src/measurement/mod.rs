@@ -13,7 +13,7 @@ mod streaming;
 mod voxel_map;
 mod voxels;
 
-pub use clip::{Clip, ClipSummary, CutObject};
+pub use clip::{Clip, ClipSummary};
 pub use explanation::{ChangeStage, LocatedChange, TopologyExplanation, WeakestGradient};
 pub use local_curvature::CurvatureScale;
 pub use object::Object;
@@ -26,7 +26,7 @@ pub use streaming::{Progress, StreamError, Streamed};
 pub use voxel_map::VoxelQuantity;
 
 use crate::integrals::{QuadratureRule, Smearing};
-use crate::volume::{FieldImage, LabelGroup, LabelImage, LabelSelection, Mask};
+use crate::volume::{FieldImage, LabelGroup, LabelImage, LabelSelection, Mask, Shared};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
@@ -48,9 +48,10 @@ pub struct Measurement {
     pub(crate) sigma: Option<f64>,
     pub(crate) thickness: Option<f64>,
     pub(crate) epsilon: Option<f64>,
-    pub(crate) level: f64,
+    pub(crate) level: Option<f64>,
     pub(crate) clip: Clip,
-    pub(crate) surface: Option<DescribedSurface>,
+    /// Whether it is the paper's, whose numbers are those of the blurred surface.
+    pub(crate) paper: bool,
     truncation: Option<f64>,
 }
 
@@ -64,9 +65,9 @@ impl Default for Measurement {
             sigma: None,
             thickness: None,
             epsilon: None,
-            level: 0.5,
+            level: None,
             clip: Clip::Cap,
-            surface: None,
+            paper: false,
             truncation: None,
         }
     }
@@ -78,14 +79,10 @@ impl Measurement {
     /// are those of the blurred surface.
     #[must_use]
     pub fn paper() -> Self {
-        Self {
-            quadrature: QuadratureRule::Simpson,
-            surface: Some(DescribedSurface::Blurred),
-            ..Self::default()
-        }
-        .derivatives(Derivatives::FiniteDifference)
-        .sigma_mm(2.0)
-        .thickness_mm(2.5)
+        Self { quadrature: QuadratureRule::Simpson, paper: true, ..Self::default() }
+            .derivatives(Derivatives::FiniteDifference)
+            .sigma_mm(2.0)
+            .thickness_mm(2.5)
     }
 
     /// Standard deviation of the blur in mm; `None`, the default, follows the spacing.
@@ -109,7 +106,7 @@ impl Measurement {
     /// Level T of the blurred indicator that is the surface, between 0 and 1.
     #[must_use]
     pub fn level(self, level: f64) -> Self {
-        Self { level, ..self }
+        Self { level: Some(level), ..self }
     }
 
     /// What becomes of objects that the edge of their image cuts.
@@ -169,7 +166,7 @@ impl Measurement {
             let start = Instant::now();
             let mask = image.group_mask(&group);
             let extraction = start.elapsed().as_secs_f64();
-            let mut measured = self.run(&mask)?;
+            let mut measured = self.run(mask)?;
             measured.timings.integrals += extraction;
             progress(done.fetch_add(1, Ordering::Relaxed) + 1, total);
             Ok((group, measured))
@@ -182,9 +179,8 @@ impl Measurement {
     /// # Errors
     /// [`MeasureError`] for an empty mask or parameters that make no sense. An object that the blur removes is no
     /// error: its numbers are `None`, under the flag `surface-vanished`.
-    pub fn run(&self, mask: &Mask) -> Result<Measured, MeasureError> {
-        let cut = self.cut(mask)?;
-        self.prepare_cut(mask, cut.as_ref()).map(|object| object.measure())
+    pub fn run(&self, mask: impl Shared<Mask>) -> Result<Measured, MeasureError> {
+        self.prepare(mask).map(|object| object.measure())
     }
 
     /// Measures the level set phi = 0 of a field that is an embedding already.
@@ -192,7 +188,7 @@ impl Measurement {
     /// # Errors
     /// [`MeasureError`] for parameters that make no sense, a field without negative voxels, or one of fewer than six
     /// voxels along an axis.
-    pub fn run_field(&self, field: &FieldImage) -> Result<Measured, MeasureError> {
+    pub fn run_field(&self, field: impl Shared<FieldImage>) -> Result<Measured, MeasureError> {
         self.prepare_field(field).map(|object| object.measure())
     }
 }

@@ -1,6 +1,6 @@
 //! One object, ready for whatever is asked of it.
 
-use super::clip::{CutObject, MeasuredPart};
+use super::clip::MeasuredPart;
 use super::pass::{ObjectSums, Pass};
 use super::scheme::Scheme;
 use super::setup::{OpenPart, Setup, Totals};
@@ -9,51 +9,64 @@ use crate::integrals::{Band, Integrals, Quadrature, SmearedDelta};
 use crate::local_geometry::{FiniteDifferences, MINIMUM_POINTS};
 use crate::surface::{Surface, VertexExtras};
 use crate::tiling::IndexBox;
-use crate::volume::{FieldImage, Grid, Mask, VolumeError};
-use std::borrow::Cow;
+use crate::volume::{FieldImage, Grid, Mask, Shared, VolumeError};
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-/// An object with its parameters filled in and its field set up: the one that is measured, mapped and shown.
-pub struct Object<'a> {
-    pub(super) mask: Cow<'a, Mask>,
+/// An object with its parameters filled in and its field set up: the one that is measured, mapped and shown. It owns what
+/// it needs, so that a thread or another language can hold it.
+///
+/// ```
+/// use surfometry::{Measurement, phantoms::Phantom};
+/// let ball = Phantom::from_spec("phantom:ball?radius=8")?.labels()?.mask(1);
+/// let object = Measurement::default().prepare(ball)?;
+/// let (measured, surface) = (object.measure(), object.surface());
+/// assert_eq!(measured.mesh.triangles, Some(surface.mesh.triangles.len() as u64));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug, Clone)]
+pub struct Object {
+    mask: Arc<Mask>,
     pub(super) setup: Setup,
-    /// `None` where the blur is known to leave nothing.
-    pub(super) scheme: Option<Scheme<'a>>,
+    content: Content,
     /// Where it is measured, where the image cuts it and that is left out.
     pub(super) part: Option<MeasuredPart>,
     preparation: Duration,
 }
 
+/// What an object's field is made of.
+#[derive(Debug, Clone)]
+enum Content {
+    /// The blur is known to leave nothing.
+    Nothing,
+    /// Voxels: the object's, or those of the object continued beyond the edge of its image.
+    Mask(Arc<Mask>),
+    /// The field itself.
+    Field(Arc<FieldImage>),
+}
+
 impl Measurement {
-    /// Sets up one object.
+    /// Sets up one object; with [`Clip::Exclude`](super::Clip::Exclude), and where the edge of its image cuts it, the part
+    /// between the cuts.
     ///
     /// # Errors
     /// [`MeasureError`] for an empty mask or parameters that make no sense.
-    pub fn prepare<'a>(&self, mask: &'a Mask) -> Result<Object<'a>, MeasureError> {
-        let start = Instant::now();
+    pub fn prepare(&self, mask: impl Shared<Mask>) -> Result<Object, MeasureError> {
+        let (mask, start) = (mask.shared(), Instant::now());
         let setup = Setup::of_masks(self, *mask.grid())?;
         if mask.is_empty() {
             return Err(VolumeError::NoForeground.into());
         }
-        let scheme = Scheme::of_mask(&setup, mask)?;
-        Ok(Object { mask: Cow::Borrowed(mask), setup, scheme, part: None, preparation: start.elapsed() })
-    }
-
-    /// Sets up an object from what [`Measurement::cut`] made of it; as [`Measurement::prepare`] does where that is nothing.
-    ///
-    /// # Errors
-    /// [`MeasureError`] for parameters that make no sense.
-    pub fn prepare_cut<'a>(
-        &self,
-        mask: &'a Mask,
-        cut: Option<&'a CutObject>,
-    ) -> Result<Object<'a>, MeasureError> {
-        let Some(cut) = cut else { return self.prepare(mask) };
-        let start = Instant::now();
-        let setup = Setup::of_masks(self, *mask.grid())?;
-        let scheme = Scheme::of_mask(&setup, &cut.continued)?.filter(|_| !cut.part.region.is_empty());
-        let part = Some(cut.part);
-        Ok(Object { mask: Cow::Borrowed(mask), setup, scheme, part, preparation: start.elapsed() })
+        let cut = self.cut(&mask)?;
+        let part = cut.as_ref().map(|cut| cut.part);
+        let voxels = cut.map_or_else(|| Arc::clone(&mask), |cut| Arc::new(cut.continued));
+        let leaves_something = Scheme::of_mask(&setup, &voxels)?.is_some();
+        let content = match part {
+            Some(part) if part.region.is_empty() => Content::Nothing,
+            _ if leaves_something => Content::Mask(voxels),
+            _ => Content::Nothing,
+        };
+        Ok(Object { mask, setup, content, part, preparation: start.elapsed() })
     }
 
     /// Sets up the level set phi = 0 of a field that is an embedding already.
@@ -61,8 +74,8 @@ impl Measurement {
     /// # Errors
     /// [`MeasureError`] for parameters that make no sense, a field without negative voxels, or one of fewer than six
     /// voxels along an axis.
-    pub fn prepare_field<'a>(&self, field: &'a FieldImage) -> Result<Object<'a>, MeasureError> {
-        let start = Instant::now();
+    pub fn prepare_field(&self, field: impl Shared<FieldImage>) -> Result<Object, MeasureError> {
+        let (field, start) = (field.shared(), Instant::now());
         let measurement = Self { embedding: EmbeddingKind::Given, ..*self };
         let grid = field.grid();
         if let Some(axis) = grid.dimensions().iter().position(|&n| n < MINIMUM_POINTS) {
@@ -73,7 +86,7 @@ impl Measurement {
         if mask.is_empty() {
             return Err(VolumeError::NothingInside.into());
         }
-        let differences = FiniteDifferences::new(field, grid.spacing().mm());
+        let differences = FiniteDifferences::new(&*field, grid.spacing().mm());
         // A band of thickness t spans t |grad phi| in units of phi.
         let slope = differences.gradient_at_surface(&mask).filter(|g| g.is_finite() && *g > 0.0);
         match (self.epsilon, slope) {
@@ -96,12 +109,12 @@ impl Measurement {
             errors: None,
             terraces: None,
         };
-        let scheme = Some(Scheme::Given(differences));
-        Ok(Object { mask: Cow::Owned(mask), setup, scheme, part: None, preparation: start.elapsed() })
+        let (mask, content) = (Arc::new(mask), Content::Field(field));
+        Ok(Object { mask, setup, content, part: None, preparation: start.elapsed() })
     }
 }
 
-impl Object<'_> {
+impl Object {
     /// The voxels: of a field, those where it is negative.
     pub fn mask(&self) -> &Mask {
         &self.mask
@@ -115,6 +128,17 @@ impl Object<'_> {
     /// The choices, filled in.
     pub fn parameters(&self) -> &Parameters {
         &self.setup.parameters
+    }
+
+    /// The field with its derivatives; `None` where the blur is known to leave nothing.
+    pub(super) fn scheme(&self) -> Option<Scheme<'_>> {
+        match &self.content {
+            Content::Nothing => None,
+            Content::Mask(mask) => Some(Scheme::of_part(&self.setup, mask)),
+            Content::Field(field) => {
+                Some(Scheme::Given(FiniteDifferences::new(field, self.grid().spacing().mm())))
+            }
+        }
     }
 
     /// The smeared delta.
@@ -132,9 +156,9 @@ impl Object<'_> {
 
     /// The surface phi = 0 with the geometry at its vertices; empty where the blur left nothing.
     pub fn surface(&self) -> Surface {
-        let Some(scheme) = &self.scheme else { return Surface::default() };
+        let Some(scheme) = self.scheme() else { return Surface::default() };
         let (parameters, mask) = (self.setup.parameters, &*self.mask);
-        let uncorrected = Setup { parameters: parameters.uncorrected(), ..self.setup };
+        let uncorrected = Setup { parameters: parameters.uncorrected(), ..self.setup.clone() };
         let plain =
             (parameters.embedding == EmbeddingKind::Corrected).then(|| Scheme::of_part(&uncorrected, mask));
         let plain_jets =
@@ -149,21 +173,21 @@ impl Object<'_> {
     }
 
     /// The scheme, and |phi| at 0.6 voxels from a flat surface.
-    pub(super) fn beside_surface(&self) -> Option<(&Scheme<'_>, f64)> {
+    pub(super) fn beside_surface(&self) -> Option<(Scheme<'_>, f64)> {
         let slope = self.setup.parameters.profile()?.slope(0.0).abs();
-        Some((self.scheme.as_ref()?, 0.6 * slope * self.grid().spacing().geometric_mean()))
+        Some((self.scheme()?, 0.6 * slope * self.grid().spacing().geometric_mean()))
     }
 
     /// What the tiles of the measured part add up to.
     fn sums(&self, with_surface: bool) -> ObjectSums {
         let pass = Pass { region: self.region(), ..self.setup.pass(with_surface) };
-        self.scheme.as_ref().map(|scheme| scheme.sums(&pass)).unwrap_or_default()
+        self.scheme().map(|scheme| scheme.sums(&pass)).unwrap_or_default()
     }
 
     /// The part that is measured, with what its boundary adds.
     fn open(&self) -> Option<OpenPart> {
         let part = self.part?;
-        let boundary = self.scheme.as_ref().map(|scheme| part.boundary(scheme, &self.setup));
+        let boundary = self.scheme().map(|scheme| part.boundary(&scheme, &self.setup));
         Some(OpenPart { part, boundary: boundary.unwrap_or_default() })
     }
 
@@ -183,17 +207,31 @@ impl Object<'_> {
 
     /// All numbers at other blurs, mm, the rest of the choices as they are; those that make no sense are left out.
     pub fn measure_at(&self, sigmas: &[f64]) -> Vec<Measured> {
-        let measured = |&sigma: &f64| self.setup.measurement.sigma_mm(sigma).run(&self.mask).ok();
+        let counted = self.counted();
+        let measured = |&sigma: &f64| {
+            let object = self.setup.measurement.sigma_mm(sigma).prepare(&self.mask);
+            object.ok().map(|object| object.measure_counted(counted.clone()))
+        };
         sigmas.iter().filter_map(measured).collect()
     }
 
     /// All numbers.
     pub fn measure(&self) -> Measured {
+        self.measure_counted(self.counted())
+    }
+
+    /// The voxels' numbers and their topology.
+    fn counted(&self) -> Totals {
+        let mut totals = Totals::default();
+        totals.add_voxels(&self.mask, i64::MIN / 2..i64::MAX / 2);
+        totals
+    }
+
+    /// All numbers, of voxels that were counted.
+    fn measure_counted(&self, counted: Totals) -> Measured {
         let start = Instant::now();
         let sums = self.sums(true);
         let integrated = self.preparation + sums.times.share_of_integrals(start.elapsed());
-        let mut totals = Totals { sums, open: self.open(), integrated, ..Totals::default() };
-        totals.add_voxels(&self.mask, i64::MIN / 2..i64::MAX / 2);
-        self.setup.measured(&totals)
+        self.setup.measured(&Totals { sums, open: self.open(), integrated, ..counted })
     }
 }

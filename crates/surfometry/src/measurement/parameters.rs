@@ -4,6 +4,7 @@ use super::{Clip, Measurement};
 use crate::accuracy::{
     auto_sigma, auto_thickness, auto_thickness_of_blur, epsilon_of_blur, thickness_of_blur,
 };
+use crate::choice::choices;
 use crate::embedding::EdgeProfile;
 use crate::integrals::{QuadratureRule, Smearing};
 use crate::local_geometry::MatchedDifferences;
@@ -12,8 +13,7 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 /// How an object becomes a field.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum EmbeddingKind {
     /// The blurred indicator (the paper).
     #[default]
@@ -27,6 +27,14 @@ pub enum EmbeddingKind {
     /// The input is the field.
     Given,
 }
+
+choices!(EmbeddingKind, "embedding": {
+    Gaussian = "gaussian": "The blurred mask (the paper)",
+    Corrected = "corrected": "Two blurs combined so that the surface does not move: local curvature of the original object",
+    Distance = "distance": "Signed distance to the voxel faces: the baseline that the paper rejects",
+    DistanceToVoxels = "distance-to-voxels": "Signed distance that is zero on the boundary voxels, as ITK's: its surface lies half a voxel inside",
+    Given = "given": "The input is a field phi, negative inside",
+});
 
 impl EmbeddingKind {
     /// Whether the field is made by blurring.
@@ -49,8 +57,7 @@ impl EmbeddingKind {
 }
 
 /// How the field is differentiated.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Derivatives {
     /// Convolution with derivatives of the Gaussian.
     Gaussian,
@@ -59,6 +66,12 @@ pub enum Derivatives {
     /// Fourth-order differences (the paper).
     FiniteDifference,
 }
+
+choices!(Derivatives, "kind of derivatives": {
+    Gaussian = "gaussian": "Convolution with derivatives of the Gaussian",
+    Matched = "matched": "Differences matched to the blur: the same from sigma = 1.75 voxels on, faster",
+    FiniteDifference = "finite-difference": "Fourth-order differences, as in the paper",
+});
 
 /// Why a measurement cannot start.
 #[derive(Debug, Clone, PartialEq, Error)]
@@ -157,38 +170,22 @@ pub struct Parameters {
     pub epsilon: f64,
     /// What was done where the edge of the image cuts an object.
     pub clip: Clip,
-    /// Blur of the corrected embedding in which the surface is mapped, mm, where it is mapped in one of its own.
-    pub curvature_sigma_mm: Option<f64>,
 }
 
 impl Parameters {
     pub(super) fn resolve(m: &Measurement, spacing: Spacing) -> Result<Self, MeasureError> {
-        for (name, value) in [("sigma", m.sigma), ("thickness", m.thickness), ("epsilon", m.epsilon)] {
-            if let Some(value) = value.filter(|v| !(v.is_finite() && *v > 0.0)) {
-                return Err(MeasureError::OutOfRange { name, value, range: "positive and finite" });
-            }
-        }
-        if !(m.level > 0.0 && m.level < 1.0) {
-            return Err(MeasureError::OutOfRange { name: "level", value: m.level, range: "between 0 and 1" });
-        }
-        if m.thickness.is_some() && m.epsilon.is_some() {
-            return Err(MeasureError::Conflict("thickness and epsilon say the same thing: give one of them"));
-        }
+        m.check()?;
         match m.embedding {
             EmbeddingKind::Gaussian | EmbeddingKind::Corrected => Self::of_blur(m, spacing),
-            kind => Self::without_blur(m, spacing, kind),
+            kind => Ok(Self::without_blur(m, spacing, kind)),
         }
     }
 
     fn of_blur(m: &Measurement, spacing: Spacing) -> Result<Self, MeasureError> {
         let sigma = m.sigma.unwrap_or_else(|| auto_sigma(spacing));
-        let saturation = saturation_at(m.level);
+        let level = m.level.unwrap_or(0.5);
+        let saturation = saturation_at(level);
         let profile = m.embedding.profile(sigma);
-        if m.embedding == EmbeddingKind::Corrected && m.level != 0.5 {
-            return Err(MeasureError::Conflict(
-                "the corrected embedding takes the shift off that a surface at level 0.5 has: leave the level at 0.5",
-            ));
-        }
         // Where eps is no value of the profile, the check below says so.
         let thickness_of = |epsilon: f64| thickness_of_blur(&profile, epsilon);
         let given = m.thickness.or_else(|| m.epsilon.map(thickness_of));
@@ -196,7 +193,7 @@ impl Parameters {
         let epsilon = m.epsilon.unwrap_or_else(|| epsilon_of_blur(&profile, thickness));
         // The corrected profile comes down again: a thickness beyond its first way to 1/2 stands for no band.
         if epsilon >= saturation || thickness > thickness_of(saturation) {
-            return Err(MeasureError::BandTooWide { level: m.level, epsilon, saturation });
+            return Err(MeasureError::BandTooWide { level, epsilon, saturation });
         }
         Ok(Self {
             embedding: m.embedding,
@@ -205,28 +202,17 @@ impl Parameters {
             delta: m.delta,
             sigma_mm: Some(sigma),
             thickness_mm: thickness,
-            level: Some(m.level),
+            level: Some(level),
             epsilon,
             clip: m.clip,
-            curvature_sigma_mm: None,
         })
     }
 
-    fn without_blur(
-        m: &Measurement,
-        spacing: Spacing,
-        embedding: EmbeddingKind,
-    ) -> Result<Self, MeasureError> {
-        if matches!(m.derivatives, Some(Derivatives::Gaussian | Derivatives::Matched)) {
-            return Err(MeasureError::Conflict(
-                "Gaussian and matched derivatives belong to the Gaussian and corrected embeddings; the distance and given embeddings are \
-                 differentiated by finite differences",
-            ));
-        }
+    fn without_blur(m: &Measurement, spacing: Spacing, embedding: EmbeddingKind) -> Self {
         // Of a distance, whose slope is 1; a given field's follows from its slope.
         let given = m.thickness.or_else(|| m.epsilon.map(|epsilon| 2.0 * epsilon));
         let thickness = given.unwrap_or_else(|| auto_thickness(spacing));
-        Ok(Self {
+        Self {
             embedding,
             derivatives: Derivatives::FiniteDifference,
             quadrature: m.quadrature,
@@ -236,8 +222,7 @@ impl Parameters {
             level: None,
             epsilon: thickness / 2.0,
             clip: m.clip,
-            curvature_sigma_mm: None,
-        })
+        }
     }
 
     /// Refuses a length of more than `most` voxels of the smallest spacing.
@@ -250,6 +235,11 @@ impl Parameters {
         let spacing = spacing.smallest();
         let voxels = value / spacing;
         if voxels > most { Err(MeasureError::TooWide { name, value, voxels, spacing, most }) } else { Ok(()) }
+    }
+
+    /// The level T, or what stands for it where there is no blur.
+    pub(super) fn level_or_half(&self) -> f64 {
+        self.level.unwrap_or(0.5)
     }
 
     /// Smallest |phi| far from the surface.
@@ -276,6 +266,48 @@ impl Parameters {
     /// A flat edge as the embedding has it; `None` without a blur.
     pub(super) fn profile(&self) -> Option<EdgeProfile> {
         self.sigma_mm.map(|sigma| self.embedding.profile(sigma))
+    }
+}
+
+impl Measurement {
+    /// Refuses what contradicts itself, whatever is measured.
+    ///
+    /// # Errors
+    /// [`MeasureError`].
+    pub fn check(&self) -> Result<(), MeasureError> {
+        for (name, value) in [("sigma", self.sigma), ("thickness", self.thickness), ("epsilon", self.epsilon)]
+        {
+            if let Some(value) = value.filter(|v| !(v.is_finite() && *v > 0.0)) {
+                return Err(MeasureError::OutOfRange { name, value, range: "positive and finite" });
+            }
+        }
+        if let Some(value) = self.level.filter(|level| !(*level > 0.0 && *level < 1.0)) {
+            return Err(MeasureError::OutOfRange { name: "level", value, range: "between 0 and 1" });
+        }
+        let of_blur = matches!(self.derivatives, Some(Derivatives::Gaussian | Derivatives::Matched));
+        let conflict = |text| Err(MeasureError::Conflict(text));
+        match self.embedding {
+            _ if self.thickness.is_some() && self.epsilon.is_some() => {
+                conflict("thickness and epsilon say the same thing: give one of them")
+            }
+            EmbeddingKind::Corrected if self.level.is_some_and(|level| level != 0.5) => conflict(
+                "the corrected embedding takes the shift off that a surface at level 0.5 has: leave the level at 0.5",
+            ),
+            kind if kind.is_blur() => Ok(()),
+            // The paper's blur is passed over where there is none.
+            _ if self.level.is_some() || self.sigma.is_some() && !self.paper => {
+                conflict("sigma and level belong to the Gaussian and corrected embeddings: leave them out")
+            }
+            _ if self.clip == Clip::Exclude => conflict(
+                "to leave the cuts out needs a field that is smooth across them: use the Gaussian or the corrected \
+                 embedding",
+            ),
+            _ if of_blur => conflict(
+                "Gaussian and matched derivatives belong to the Gaussian and corrected embeddings; the distance and given \
+                 embeddings are differentiated by finite differences",
+            ),
+            _ => Ok(()),
+        }
     }
 }
 

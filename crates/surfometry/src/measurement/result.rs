@@ -2,6 +2,7 @@
 
 use super::{ClipSummary, LocatedChange, Parameters};
 use crate::accuracy::{CompensatedIntegrals, CompensationTerms, Flag, IntegralErrors};
+use crate::choice::choices;
 use crate::integrals::Integrals;
 use crate::surface::SurfaceSummary;
 use crate::tiling::IndexBox;
@@ -9,7 +10,6 @@ use crate::topology::VoxelTopology;
 use crate::volume::Grid;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
-use std::fmt;
 
 /// Where there is no model of errors.
 pub(super) const NO_ERRORS: &str = "standard errors are modelled for the Gaussian and the corrected embedding at level 0.5, Gaussian or matched \
@@ -17,8 +17,7 @@ pub(super) const NO_ERRORS: &str = "standard errors are modelled for the Gaussia
      are null";
 
 /// Which surface the unqualified numbers of a result describe.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum DescribedSurface {
     /// The object's as it was segmented.
     Original,
@@ -28,11 +27,11 @@ pub enum DescribedSurface {
     Given,
 }
 
-impl fmt::Display for DescribedSurface {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        self.serialize(f)
-    }
-}
+choices!(DescribedSurface, "surface": {
+    Original = "original": "The object's as it was segmented",
+    Blurred = "blurred": "The embedding's own, phi = 0",
+    Given = "given": "The zero level of a field that was given",
+});
 
 /// All results for one object, which [`Deref`](std::ops::Deref) to the numbers that one takes first: those of `surface`.
 /// `None` is a number that could not be had; a flag says why.
@@ -184,6 +183,32 @@ pub struct StageSeconds {
     pub topology: f64,
     /// From the decoded labels to all integrals, on the clock: a record's `seconds`.
     pub integrals: f64,
+}
+
+impl StageSeconds {
+    /// The stages by their names, in their order.
+    pub fn named(&self) -> [(&'static str, f64); 5] {
+        [
+            ("embed", self.embed),
+            ("derive", self.derive),
+            ("integrate", self.integrate),
+            ("topology", self.topology),
+            ("surface", self.surface),
+        ]
+    }
+
+    /// Of two objects.
+    #[must_use]
+    pub fn plus(&self, other: &Self) -> Self {
+        Self {
+            embed: self.embed + other.embed,
+            derive: self.derive + other.derive,
+            integrate: self.integrate + other.integrate,
+            surface: self.surface + other.surface,
+            topology: self.topology + other.topology,
+            integrals: self.integrals + other.integrals,
+        }
+    }
 }
 
 /// The surface phi = 0 as a mesh: a cross-check of the plain integrals that knows no band.

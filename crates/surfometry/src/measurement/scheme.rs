@@ -72,8 +72,12 @@ impl<'a> Scheme<'a> {
             };
             return Self::Distance(FiniteDifferences::new(distance, spacing));
         };
-        let embedding =
-            GaussianEmbedding::of_profile(mask, &profile, setup.measurement.level, truncation_of(setup));
+        let embedding = GaussianEmbedding::of_profile(
+            mask,
+            &profile,
+            setup.parameters.level_or_half(),
+            truncation_of(setup),
+        );
         match parameters.derivatives {
             Derivatives::Gaussian => Self::Gaussian(GaussianDerivatives::new(embedding)),
             Derivatives::Matched => Self::Matched(match setup.weights {
@@ -146,5 +150,5 @@ fn vanishes_for_certain(setup: &Setup, mask: &Mask, sigma: f64) -> bool {
     };
     // Of a combination, what is taken off may be nothing.
     let weight = setup.parameters.embedding.profile(sigma).terms()[0].0;
-    weight * (0..3).map(share).product::<f64>() < setup.measurement.level * (1.0 - 1e-6)
+    weight * (0..3).map(share).product::<f64>() < setup.parameters.level_or_half() * (1.0 - 1e-6)
 }

@@ -22,7 +22,7 @@ use std::ops::Range;
 use std::time::{Duration, Instant};
 
 /// The choices for one image, filled in.
-#[derive(Clone, Copy)]
+#[derive(Debug, Clone)]
 pub(super) struct Setup {
     pub(super) measurement: Measurement,
     pub(super) parameters: Parameters,
@@ -169,13 +169,13 @@ impl Setup {
     }
 
     /// The surface that the unqualified numbers describe: the original object's wherever it can be had, unless the
-    /// blurred one is asked for.
+    /// paper's choices are asked for.
     fn described(&self) -> DescribedSurface {
-        let asked = self.measurement.surface;
+        let compensable = self.parameters.compensable_sigma().is_some() && !self.measurement.paper;
         match self.parameters.embedding {
             EmbeddingKind::Given => DescribedSurface::Given,
-            _ if self.parameters.compensable_sigma().is_none() => DescribedSurface::Blurred,
-            _ => asked.unwrap_or(DescribedSurface::Original),
+            _ if compensable => DescribedSurface::Original,
+            _ => DescribedSurface::Blurred,
         }
     }
 

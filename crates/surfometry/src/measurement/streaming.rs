@@ -125,7 +125,7 @@ impl<'a> Stream<'a> {
         let reach = Scheme::of_part(setup, &nothing).reach(setup);
         let first = (-reach).div_euclid(TILE[2]) * TILE[2];
         Self {
-            setup: *setup,
+            setup: setup.clone(),
             selection,
             encoder: RunEncoder::new(setup.grid),
             window: LabelRuns::new(setup.grid),

@@ -2,6 +2,7 @@
 
 use super::Object;
 use super::scheme::{Scheme, with_scheme};
+use crate::choice::choices;
 use crate::local_geometry::{BandVoxel, Differentiation, TileField};
 use crate::tiling::{Block, IndexBox, TILE};
 use rayon::prelude::*;
@@ -23,10 +24,6 @@ pub enum VoxelQuantity {
 }
 
 impl VoxelQuantity {
-    /// All of them.
-    pub const ALL: [Self; 5] =
-        [Self::MeanCurvature, Self::GaussianCurvature, Self::Delta, Self::Phi, Self::Band];
-
     /// Name with unit, as arrays of the contract are named.
     pub fn name(self) -> &'static str {
         match self {
@@ -37,38 +34,24 @@ impl VoxelQuantity {
             Self::Band => "band",
         }
     }
-
-    /// Name in options.
-    pub fn option(self) -> &'static str {
-        match self {
-            Self::MeanCurvature => "mean-curvature",
-            Self::GaussianCurvature => "gaussian-curvature",
-            Self::Delta => "delta",
-            Self::Phi => "phi",
-            Self::Band => "band",
-        }
-    }
-
-    /// What it is, for people.
-    pub fn title(self) -> &'static str {
-        match self {
-            Self::MeanCurvature => "H in the band, 1/mm",
-            Self::GaussianCurvature => "K in the band, 1/mm^2",
-            Self::Delta => "surface area a volume, 1/mm: its sum times a voxel's volume is the area",
-            Self::Phi => "the embedding",
-            Self::Band => "1 in the band, 0 outside",
-        }
-    }
 }
 
-impl Object<'_> {
+choices!(VoxelQuantity, "voxel quantity": {
+    MeanCurvature = "mean-curvature": "H in the band, 1/mm",
+    GaussianCurvature = "gaussian-curvature": "K in the band, 1/mm^2",
+    Delta = "delta": "surface area a volume, 1/mm: its sum times a voxel's volume is the area",
+    Phi = "phi": "the embedding",
+    Band = "band": "1 in the band, 0 outside",
+});
+
+impl Object {
     /// A quantity on a box of voxels, such as the whole image ([`Grid::index_box`](crate::volume::Grid::index_box)), which
     /// may reach beyond it unless the field is given; `None` where the blur is known to leave nothing, so that there was no need to
     /// make a field. In parallel over tiles; the same for any number of threads.
     pub fn voxel_map(&self, quantity: VoxelQuantity, region: &IndexBox) -> Option<Block<f32>> {
-        let scheme = self.scheme.as_ref()?;
+        let scheme = self.scheme()?;
         let mut map = Block::filled(*region, 0.0);
-        let values = |tile: &IndexBox| with_scheme!(scheme, s => self.tile_values(s, tile, quantity));
+        let values = |tile: &IndexBox| with_scheme!(&scheme, s => self.tile_values(s, tile, quantity));
         // A few tiles at a time, so that no second copy of the image is needed.
         for batch in region.tiles(TILE).chunks(8 * rayon::current_num_threads()) {
             let parts: Vec<Vec<f32>> = batch.par_iter().map(values).collect();

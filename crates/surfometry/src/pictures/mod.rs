@@ -46,5 +46,5 @@ pub use surface_picture::SurfacePicture;
 pub use surface_rendering::{ColoredSurface, render_surface};
 #[cfg(feature = "report")]
 pub(crate) use ticks::significant;
-pub use view::{Basis, UnknownView, View};
+pub use view::{Basis, View};
 pub use volume_rendering::VolumeRendering;

@@ -6,6 +6,8 @@ use super::{
     ColorScale, Figure, HistogramPicture, HistogramSeries, PictureError, Quantity, ScaleKind, Slice,
     SlicePicture, SurfacePicture, View, VolumeRendering,
 };
+use crate::Choice;
+use crate::choice::choices;
 use crate::measurement::{EmbeddingKind, Object, VoxelQuantity};
 use crate::surface::{LocalQuantity, Surface};
 use crate::tiling::{Block, IndexBox};
@@ -25,30 +27,12 @@ pub enum PictureKind {
     Volume,
 }
 
-impl PictureKind {
-    /// All of them.
-    pub const ALL: [Self; 4] = [Self::Surface, Self::Slices, Self::Histogram, Self::Volume];
-
-    /// Name in options and in names of files.
-    pub fn option(self) -> &'static str {
-        match self {
-            Self::Surface => "surface",
-            Self::Slices => "slices",
-            Self::Histogram => "histogram",
-            Self::Volume => "volume",
-        }
-    }
-
-    /// What it is, for people.
-    pub fn title(self) -> &'static str {
-        match self {
-            Self::Surface => "the coloured surface, from --view",
-            Self::Slices => "mask and embedding with the contour, in three slices",
-            Self::Histogram => "the quantity's distribution",
-            Self::Volume => "the paper's volume rendering, from --view",
-        }
-    }
-}
+choices!(PictureKind, "picture": {
+    Surface = "surface": "the coloured surface, from the chosen views",
+    Slices = "slices": "mask and embedding with the contour, in three slices",
+    Histogram = "histogram": "the quantity's distribution",
+    Volume = "volume": "the paper's volume rendering, from the chosen views",
+});
 
 /// How pictures of an object are made.
 #[derive(Debug, Clone, PartialEq)]
@@ -111,7 +95,7 @@ pub fn picture(
 
 impl From<LocalQuantity> for Quantity<'static> {
     fn from(quantity: LocalQuantity) -> Self {
-        Self { name: quantity.title(), unit: quantity.unit() }
+        Self { name: quantity.meaning(), unit: quantity.unit() }
     }
 }
 
@@ -146,7 +130,7 @@ fn caption(object: &Object, remark: &str) -> String {
 }
 
 fn values(surface: &Surface, quantity: LocalQuantity) -> Result<Vec<f64>, PictureError> {
-    surface.values(quantity).ok_or(PictureError::Undefined { quantity: quantity.title() })
+    surface.values(quantity).ok_or(PictureError::Undefined { quantity: quantity.meaning() })
 }
 
 fn surface_figure(surface: &Surface, style: &PictureStyle, caption: &str) -> Result<Figure, PictureError> {

@@ -1,8 +1,7 @@
 //! Where the viewer stands.
 
+use crate::choice::choices;
 use crate::surface::{cross, dot, unit};
-use std::fmt;
-use std::str::FromStr;
 
 /// A side from which an object is looked at, named by where the viewer stands. World axes are RAS.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -23,6 +22,16 @@ pub enum View {
     Oblique,
 }
 
+choices!(View, "view": {
+    Anterior = "anterior": "from the front",
+    Posterior = "posterior": "from behind",
+    Left = "left": "from the object's left",
+    Right = "right": "from the object's right",
+    Superior = "superior": "from above",
+    Inferior = "inferior": "from below",
+    Oblique = "oblique": "from the front, the left and above",
+});
+
 /// Right-handed unit vectors of a picture, in world coordinates (RAS).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Basis {
@@ -34,36 +43,7 @@ pub struct Basis {
     pub toward: [f64; 3],
 }
 
-/// A name that is no [`View`].
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("there is no view {0:?}; take one of anterior, posterior, left, right, superior, inferior, oblique")]
-pub struct UnknownView(pub String);
-
 impl View {
-    /// All of them.
-    pub const ALL: [Self; 7] = [
-        Self::Anterior,
-        Self::Posterior,
-        Self::Left,
-        Self::Right,
-        Self::Superior,
-        Self::Inferior,
-        Self::Oblique,
-    ];
-
-    /// Its name, in small letters.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Anterior => "anterior",
-            Self::Posterior => "posterior",
-            Self::Left => "left",
-            Self::Right => "right",
-            Self::Superior => "superior",
-            Self::Inferior => "inferior",
-            Self::Oblique => "oblique",
-        }
-    }
-
     /// The picture's axes.
     pub fn basis(self) -> Basis {
         let (toward, up) = match self {
@@ -86,21 +66,6 @@ impl View {
     }
 }
 
-impl fmt::Display for View {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.name())
-    }
-}
-
-impl FromStr for View {
-    type Err = UnknownView;
-
-    fn from_str(text: &str) -> Result<Self, UnknownView> {
-        let is_meant = |view: &Self| view.name().eq_ignore_ascii_case(text.trim());
-        Self::ALL.into_iter().find(is_meant).ok_or_else(|| UnknownView(text.to_owned()))
-    }
-}
-
 /// The anatomical direction of a unit vector along a world axis.
 fn letter(direction: [f64; 3]) -> Option<char> {
     let ways = [([1.0, 0.0, 0.0], ['R', 'L']), ([0.0, 1.0, 0.0], ['A', 'P']), ([0.0, 0.0, 1.0], ['S', 'I'])];
@@ -114,10 +79,11 @@ fn letter(direction: [f64; 3]) -> Option<char> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Choice;
 
     #[test]
     fn bases_are_right_handed_and_letters_match_the_convention() {
-        for view in View::ALL {
+        for &view in View::ALL {
             let Basis { right, up, toward } = view.basis();
             assert!((dot(cross(right, up), toward) - 1.0).abs() < 1e-12, "{view}");
             assert!(dot(right, up).abs() < 1e-12 && up[2].max(up[1]) > 0.5, "{view}");

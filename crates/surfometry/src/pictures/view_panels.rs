@@ -8,6 +8,7 @@ use super::frame::{Frame, LETTER, NAME, Place, draw_letters, name, pixels};
 use super::layout::{Content, Layout};
 use super::raster::Raster;
 use super::view::View;
+use crate::Choice;
 
 /// Reach of the axes of an oblique view.
 const TRIAD: f64 = 18.0;
@@ -30,7 +31,7 @@ pub(crate) fn compose_views(
 fn content(prospect: &Prospect) -> Content {
     let below = if prospect.view.letters().is_some() { LETTER } else { 2.0 * TRIAD };
     let rim = [2.0 * LETTER, NAME + LETTER + below];
-    Content { extent: prospect.extent, rim, least_width: text_width(prospect.view.name(), LABEL) }
+    Content { extent: prospect.extent, rim, least_width: text_width(prospect.view.word(), LABEL) }
 }
 
 /// Picture, name and directions of a view; `render` is told how far above the panel's middle the object is to be.
@@ -40,7 +41,7 @@ fn draw_panel(
     place: Place,
     render: impl Fn(f64) -> Raster,
 ) -> Result<(), PictureError> {
-    let view = prospect.view.name();
+    let view = prospect.view.word();
     name(canvas, place, &(view[..1].to_uppercase() + &view[1..]));
     if prospect.extent == [0.0; 2] {
         canvas.centered_text(place.middle(), SMALL, FAINT, Anchor::Middle, "no surface");

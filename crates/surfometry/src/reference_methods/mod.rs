@@ -18,7 +18,7 @@ pub use triangulation::Triangulation;
 pub use voxel_counting::VoxelCounting;
 
 use crate::volume::Mask;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// A way to measure a mask.
 pub trait ReferenceMethod: Sync {
@@ -30,7 +30,7 @@ pub trait ReferenceMethod: Sync {
 }
 
 /// What a method gives; names and units as those of `measure`.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct ReferenceValues {
     /// V.
     pub volume_mm3: Option<f64>,
@@ -55,7 +55,7 @@ impl ReferenceValues {
 }
 
 /// What bone scientists make of a method's values and a volume of interest (Bouxsein et al. 2010).
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct BoneValues {
     /// BV/TV.
     pub bone_volume_fraction: Option<f64>,

@@ -7,12 +7,14 @@ mod comparison_page;
 mod figures;
 mod provenance;
 mod scene;
+mod task;
 mod template;
 
 pub use comparison_page::{ComparisonPage, comparison_chart};
 pub use figures::ObjectReport;
-pub use provenance::{HashedFile, Provenance, Source};
+pub use provenance::{HashedFile, HashedInput, Provenance};
 pub use scene::{MOST_TRIANGLES, Scene};
+pub use task::{ReportPart, ReportTask};
 pub use template::{render, render_comparison};
 
 use crate::runs::Failure;

@@ -1,7 +1,6 @@
 //! Where a report comes from.
 
-use crate::io::{ReadError, is_mesh, read_header};
-use crate::phantoms::Phantom;
+use crate::io::ReadError;
 use serde::Serialize;
 use sha2::{Digest, Sha256};
 use std::fs::File;
@@ -19,12 +18,12 @@ pub struct Provenance {
     /// When, UTC (RFC 3339).
     pub created: String,
     /// The inputs.
-    pub sources: Vec<Source>,
+    pub sources: Vec<HashedInput>,
 }
 
 impl Provenance {
     /// Of a command that starts now.
-    pub fn new(command: String, sources: Vec<Source>) -> Self {
+    pub fn new(command: String, sources: Vec<HashedInput>) -> Self {
         let created = humantime::format_rfc3339_seconds(SystemTime::now()).to_string();
         Self { version: env!("CARGO_PKG_VERSION"), command, created, sources }
     }
@@ -32,7 +31,7 @@ impl Provenance {
 
 /// An input, so that it can be recognised.
 #[derive(Debug, Clone, Serialize)]
-pub struct Source {
+pub struct HashedInput {
     /// As named.
     pub input: String,
     /// Its files: header and data, where they are apart; none for a phantom, whose name says all.
@@ -50,34 +49,14 @@ pub struct HashedFile {
     pub bytes: u64,
 }
 
-impl Source {
+impl HashedInput {
     /// Reads an input's files once.
     ///
     /// # Errors
-    /// [`ReadError`] for a header that cannot be read, or whatever the file system says.
-    pub fn of(input: &str) -> Result<Self, ReadError> {
-        let mut paths = Vec::new();
-        if !Phantom::is_spec(input) {
-            paths.push(PathBuf::from(input));
-            if is_mesh(&paths[0]) {
-                return Self::of_files(input, &paths);
-            }
-            let data = read_header(input)?.data.path;
-            // The same file under another name counts once.
-            if data.canonicalize().ok() != paths[0].canonicalize().ok() {
-                paths.push(data);
-            }
-        }
-        Self::of_files(input, &paths)
-    }
-
-    /// An input that is no image.
-    ///
-    /// # Errors
     /// Whatever the file system says.
-    pub fn of_files(input: &str, paths: &[PathBuf]) -> Result<Self, ReadError> {
+    pub fn of(input: &str, files: &[PathBuf]) -> Result<Self, ReadError> {
         let hashed = |path: &PathBuf| HashedFile::of(path).map_err(|source| ReadError::io(path, source));
-        Ok(Self { input: input.to_owned(), files: paths.iter().map(hashed).collect::<Result<_, _>>()? })
+        Ok(Self { input: input.to_owned(), files: files.iter().map(hashed).collect::<Result<_, _>>()? })
     }
 }
 
@@ -107,6 +86,7 @@ impl io::Write for HashWriter<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::inputs::{OpenOptions, open};
 
     #[test]
     fn the_hash_is_sha_256() {
@@ -117,8 +97,8 @@ mod tests {
         // FIPS 180-4, the one-block example.
         let expected = "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad";
         assert_eq!((hashed.sha256.as_str(), hashed.bytes, hashed.name.as_str()), (expected, 3, "abc"));
-        assert!(Source::of("phantom:ball").unwrap().files.is_empty());
-        assert!(Source::of("/no/such/file.nii").is_err());
+        assert!(HashedInput::of("phantom:ball", &[]).unwrap().files.is_empty());
+        assert!(HashedInput::of("a", &[PathBuf::from("/no/such/file.nii")]).is_err());
     }
 
     /// Voxels that lie apart from their header are part of what was measured.
@@ -129,7 +109,9 @@ mod tests {
                       ElementDataFile = b.raw\n";
         std::fs::write(folder.path().join("a.mhd"), header).unwrap();
         std::fs::write(folder.path().join("b.raw"), [1u8; 8]).unwrap();
-        let source = Source::of(folder.path().join("a.mhd").to_str().unwrap()).unwrap();
+        let name = folder.path().join("a.mhd").to_str().unwrap().to_owned();
+        let files = open(&name, &OpenOptions::default()).unwrap().files();
+        let source = HashedInput::of(&name, &files).unwrap();
         let names: Vec<&str> = source.files.iter().map(|f| f.name.as_str()).collect();
         assert_eq!(names, ["a.mhd", "b.raw"]);
         assert_eq!(source.files[1].bytes, 8);

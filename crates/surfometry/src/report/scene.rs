@@ -1,5 +1,6 @@
 //! A surface as plotly.js takes it.
 
+use crate::Choice;
 use crate::pictures::color_scale;
 use crate::surface::{LocalQuantity, Surface};
 use base64::Engine;
@@ -69,7 +70,7 @@ impl Scene {
             let stops = scale.stops(STOPS).into_iter();
             Some(Layer {
                 name: quantity.name(),
-                title: quantity.title(),
+                title: quantity.meaning(),
                 unit: quantity.unit(),
                 values: TypedArray::floats(values.into_iter()),
                 limits: scale.limits(),
@@ -83,7 +84,7 @@ impl Scene {
             i: corner(0),
             j: corner(1),
             k: corner(2),
-            quantities: LocalQuantity::ALL.into_iter().filter_map(layer).collect(),
+            quantities: LocalQuantity::ALL.iter().copied().filter_map(layer).collect(),
         })
     }
 }

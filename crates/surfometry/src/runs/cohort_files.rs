@@ -1,8 +1,10 @@
 //! A cohort of phantoms as files, with a table of their exact integrals.
 
-use super::{InputError, open_labels};
+use super::RunError;
+use crate::inputs::{OpenOptions, open};
 use crate::io::{write_labels, write_whole};
 use crate::phantoms::{CohortMember, Truth};
+use crate::volume::LabelImage;
 use serde::{Deserialize, Serialize};
 use std::io;
 use std::path::{Path, PathBuf};
@@ -33,13 +35,13 @@ struct TruthRow {
 /// are. `told` hears each bone's name before it is made.
 ///
 /// # Errors
-/// [`InputError`].
+/// [`RunError`].
 pub fn write_cohort(
     folder: &Path,
     members: &[CohortMember],
     mut told: impl FnMut(&str),
-) -> Result<Vec<CohortFile>, InputError> {
-    let failed = |path: &Path, source: io::Error| InputError::Write { path: path.to_owned(), source };
+) -> Result<Vec<CohortFile>, RunError> {
+    let failed = |path: &Path, source: io::Error| RunError::Write { path: path.to_owned(), source };
     std::fs::create_dir_all(folder).map_err(|e| failed(folder, e))?;
     let table = folder.join("truth.csv");
     let known = known_rows(&table);
@@ -75,11 +77,11 @@ pub fn write_cohort(
     Ok(files)
 }
 
-fn write_bone(member: &CohortMember, path: &Path) -> Result<Truth, InputError> {
-    let source = open_labels(&member.spec, None)?;
-    write_labels(path, &source.image)
-        .map_err(|source| InputError::Write { path: path.to_owned(), source })?;
-    source.truth.ok_or(InputError::Unfit("the exact integrals of a bone of this cohort do not converge"))
+fn write_bone(member: &CohortMember, path: &Path) -> Result<Truth, RunError> {
+    let source = open(&member.spec, &OpenOptions::default())?;
+    let image = LabelImage::from_slabs(&mut source.slabs()?)?;
+    write_labels(path, &image).map_err(|source| RunError::Write { path: path.to_owned(), source })?;
+    source.truth().ok_or(RunError::Unfit("the exact integrals of a bone of this cohort do not converge"))
 }
 
 /// Rows of an earlier run; none where there is no table, or another one.

@@ -1,14 +1,15 @@
 //! Which files a run may write.
 
-use super::InputError;
+use super::RunError;
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
 
 /// The files of a run: its inputs stay as they are, and no output takes another's place.
 #[derive(Debug, Default)]
 pub struct FileLedger {
-    taken: HashMap<PathBuf, Holder>,
+    taken: Mutex<HashMap<PathBuf, Holder>>,
 }
 
 #[derive(Debug)]
@@ -21,22 +22,23 @@ impl FileLedger {
     /// A ledger in which only the run's inputs stand; what is no file, as a phantom, is passed over.
     pub fn new(inputs: &[String]) -> Self {
         let files = inputs.iter().filter_map(|input| Path::new(input).canonicalize().ok());
-        Self { taken: files.map(|file| (file, Holder::Input)).collect() }
+        Self { taken: Mutex::new(files.map(|file| (file, Holder::Input)).collect()) }
     }
 
     /// Takes a file for an output.
     ///
     /// # Errors
-    /// [`InputError::ReplacesInput`], or [`InputError::NameTaken`] by an earlier output of the run.
-    pub fn claim(&mut self, path: &Path) -> Result<(), InputError> {
-        match self.taken.entry(location(path)) {
+    /// [`RunError::ReplacesInput`], or [`RunError::NameTaken`] by an earlier output of the run.
+    pub fn claim(&self, path: &Path) -> Result<(), RunError> {
+        let mut taken = self.taken.lock().unwrap_or_else(PoisonError::into_inner);
+        match taken.entry(location(path)) {
             Entry::Vacant(free) => {
                 free.insert(Holder::Output);
                 Ok(())
             }
             Entry::Occupied(taken) => Err(match taken.get() {
-                Holder::Input => InputError::ReplacesInput { path: path.to_owned() },
-                Holder::Output => InputError::NameTaken { path: path.to_owned() },
+                Holder::Input => RunError::ReplacesInput { path: path.to_owned() },
+                Holder::Output => RunError::NameTaken { path: path.to_owned() },
             }),
         }
     }
@@ -63,13 +65,13 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let (input, output) = (folder.path().join("in.nii"), folder.path().join("out.nii"));
         std::fs::write(&input, b"").unwrap();
-        let mut ledger = FileLedger::new(&[input.display().to_string(), "phantom:ball".to_owned()]);
+        let ledger = FileLedger::new(&[input.display().to_string(), "phantom:ball".to_owned()]);
         let dotted = folder.path().join(".").join("in.nii");
         for _ in 0..2 {
-            assert!(matches!(ledger.claim(&dotted), Err(InputError::ReplacesInput { .. })));
+            assert!(matches!(ledger.claim(&dotted), Err(RunError::ReplacesInput { .. })));
         }
         assert!(ledger.claim(&output).is_ok());
-        assert!(matches!(ledger.claim(&output), Err(InputError::NameTaken { .. })));
+        assert!(matches!(ledger.claim(&output), Err(RunError::NameTaken { .. })));
         assert!(ledger.claim(&folder.path().join("other.nii")).is_ok());
     }
 }

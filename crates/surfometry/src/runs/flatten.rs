@@ -33,27 +33,6 @@ fn add(row: &mut Map<String, Value>, key: &str, value: &Value) {
     }
 }
 
-/// The columns of all rows, each beside the neighbours that it first appeared with.
-///
-/// # Errors
-/// The first row's that could not be made.
-pub fn columns_of<E>(rows: impl Iterator<Item = Result<Map<String, Value>, E>>) -> Result<Vec<String>, E> {
-    let mut columns: Vec<String> = Vec::new();
-    for row in rows {
-        let row = row?;
-        // Nearly all rows have the columns of the one before.
-        if row.keys().eq(&columns) {
-            continue;
-        }
-        for (position, key) in row.keys().enumerate() {
-            if !columns.contains(key) {
-                columns.insert(position.min(columns.len()), key.clone());
-            }
-        }
-    }
-    Ok(columns)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -70,12 +49,5 @@ mod tests {
         assert_eq!(row["voxels_bounding_box_max_z"], 5);
         assert_eq!(row["flags"], "a;b");
         assert!(row["none"].is_null());
-    }
-
-    #[test]
-    fn rows_share_columns() {
-        let rows = [json!({"a": 1, "c": 3}), json!({"a": 1, "b": 2, "c": 3}), json!({"error": ""})];
-        let columns = columns_of(rows.iter().map(|row| Ok::<_, ()>(flatten(row)))).unwrap();
-        assert_eq!(columns, ["error", "a", "b", "c"]);
     }
 }

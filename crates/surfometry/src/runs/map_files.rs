@@ -1,6 +1,8 @@
 //! Files that show one object: meshes, voxel maps, pictures.
 
-use super::{FileLedger, InputError, InputObject, with_parts};
+use super::{FileLedger, InputObject, RunError};
+use crate::Choice;
+use crate::inputs::with_parts;
 use crate::io::{MeshDocument, MeshFormat, mesh_paths, write_mesh, write_voxel_map, write_whole};
 use crate::measurement::VoxelQuantity;
 use crate::pictures::{Figure, PictureKind, PictureStyle, color_scale, picture};
@@ -70,20 +72,20 @@ impl Default for MapStyle {
 /// Where the input has several objects, `_label-N` goes before the ending.
 ///
 /// # Errors
-/// [`InputError`].
+/// [`RunError`].
 pub fn write_map_files(
     source: &InputObject,
     path: &Path,
     style: &MapStyle,
-    ledger: &mut FileLedger,
-) -> Result<Vec<PathBuf>, InputError> {
-    let file = MapFile::of_path(path).ok_or(InputError::Unfit("the file's name ends in no known format"))?;
+    ledger: &FileLedger,
+) -> Result<Vec<PathBuf>, RunError> {
+    let file = MapFile::of_path(path).ok_or(RunError::Unfit("the file's name ends in no known format"))?;
     let label = source.label.as_ref().filter(|_| source.count > 1).map(|label| format!("label-{label}"));
     let path = with_parts(path, label.as_slice());
     match file {
         // Voxel maps show what is there instead.
         MapFile::Mesh(_) | MapFile::Png | MapFile::Svg if source.surface().is_empty() => {
-            Err(InputError::NoSurface)
+            Err(RunError::NoSurface)
         }
         MapFile::Mesh(_) => mesh_files(source, &path, style, ledger),
         MapFile::Voxels => voxel_files(source, &path, style, ledger),
@@ -95,8 +97,8 @@ fn mesh_files(
     source: &InputObject,
     path: &Path,
     style: &MapStyle,
-    ledger: &mut FileLedger,
-) -> Result<Vec<PathBuf>, InputError> {
+    ledger: &FileLedger,
+) -> Result<Vec<PathBuf>, RunError> {
     for file in mesh_paths(path).map_err(|e| written(path, e))? {
         ledger.claim(&file)?;
     }
@@ -115,8 +117,8 @@ fn voxel_files(
     source: &InputObject,
     path: &Path,
     style: &MapStyle,
-    ledger: &mut FileLedger,
-) -> Result<Vec<PathBuf>, InputError> {
+    ledger: &FileLedger,
+) -> Result<Vec<PathBuf>, RunError> {
     let grid = source.object.grid();
     let name = |quantity: VoxelQuantity| match style.voxels.len() {
         1 => path.to_owned(),
@@ -125,7 +127,7 @@ fn voxel_files(
     let mut write = |&quantity: &VoxelQuantity| {
         let path = name(quantity);
         ledger.claim(&path)?;
-        let map = source.local().voxel_map(quantity, &grid.index_box()).ok_or(InputError::NoSurface)?;
+        let map = source.local().voxel_map(quantity, &grid.index_box()).ok_or(RunError::NoSurface)?;
         write_voxel_map(&path, grid, map.values(), quantity.name()).map_err(|e| written(&path, e))?;
         Ok(path)
     };
@@ -136,13 +138,13 @@ fn picture_files(
     source: &InputObject,
     path: &Path,
     style: &MapStyle,
-    ledger: &mut FileLedger,
-) -> Result<Vec<PathBuf>, InputError> {
+    ledger: &FileLedger,
+) -> Result<Vec<PathBuf>, RunError> {
     let titled = PictureStyle { title: source.title(), ..style.picture.clone() };
     let mut write = |&kind: &PictureKind| {
         let path = match style.pictures.len() {
             1 => path.to_owned(),
-            _ => with_parts(path, &[kind.option()]),
+            _ => with_parts(path, &[kind.word()]),
         };
         ledger.claim(&path)?;
         let figure = picture(kind, source.local(), source.surface(), &titled)?;
@@ -155,8 +157,8 @@ fn picture_files(
 /// Writes a figure as PNG where its name says so, else as SVG.
 ///
 /// # Errors
-/// [`InputError::Picture`], [`InputError::Write`].
-pub fn write_figure(figure: &Figure, path: &Path, dpi_scale: f64) -> Result<(), InputError> {
+/// [`RunError::Picture`], [`RunError::Write`].
+pub fn write_figure(figure: &Figure, path: &Path, dpi_scale: f64) -> Result<(), RunError> {
     let bytes = match MapFile::of_path(path) {
         Some(MapFile::Png) => figure.to_png(dpi_scale)?,
         _ => figure.svg().as_bytes().to_vec(),
@@ -164,6 +166,6 @@ pub fn write_figure(figure: &Figure, path: &Path, dpi_scale: f64) -> Result<(), 
     write_whole(path, |out| out.write_all(&bytes)).map_err(|e| written(path, e))
 }
 
-fn written(path: &Path, source: io::Error) -> InputError {
-    InputError::Write { path: path.to_owned(), source }
+fn written(path: &Path, source: io::Error) -> RunError {
+    RunError::Write { path: path.to_owned(), source }
 }

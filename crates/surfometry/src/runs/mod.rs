@@ -1,35 +1,61 @@
-//! Inputs, from a name to records: what the command line and other front ends share.
+//! Many inputs, from names to results: one [`Batch`], a [`Task`] for each thing that is done with an input, a [`Sink`] for
+//! each place where results go. Every front end is a face of these.
 
+mod batch;
 mod cohort_files;
+mod columns;
+mod document;
+mod error;
 #[cfg(feature = "pictures")]
 mod file_ledger;
-mod file_names;
 mod flatten;
-mod input;
+mod info;
+#[cfg(feature = "pictures")]
+mod map;
 #[cfg(feature = "pictures")]
 mod map_files;
-mod objects;
-mod output;
+mod measure;
+mod mixed_sigma;
+mod object;
+#[cfg(feature = "pictures")]
+mod pictures;
+mod plan;
+mod reading;
+mod record;
 mod reference;
 mod surface_record;
 #[cfg(feature = "pictures")]
+mod sweep;
+#[cfg(feature = "pictures")]
 mod sweep_chart;
 
+pub use batch::{Batch, Collected, Item, Opened, Outcome, Sink, Task};
 pub use cohort_files::{CohortFile, write_cohort};
+pub use document::{CsvSink, JsonLinesSink, JsonSink, Row};
+pub use error::RunError;
 #[cfg(feature = "pictures")]
 pub use file_ledger::FileLedger;
-pub use file_names::{distinct_parts, input_title, with_parts};
-pub use flatten::{columns_of, flatten};
-pub use input::{
-    ExplainTopology, InputError, InputOptions, InputRecords, LabelInput, measure_input, open_labels,
-};
+pub use flatten::flatten;
+pub use info::{AffineDescription, InfoTask, InputDescription, LabelDescription};
+#[cfg(feature = "pictures")]
+pub use map::MapTask;
 #[cfg(feature = "pictures")]
 pub use map_files::{MapFile, MapStyle, write_figure, write_map_files};
-pub use objects::{InputObject, visit_objects};
-pub use output::{Failure, Output, Record, SCHEMA};
-pub use reference::{REFERENCE_SCHEMA, ReferenceRecord, reference_input};
+pub use measure::{MeasureTask, records_of};
+pub use mixed_sigma::SigmaRange;
+pub use object::InputObject;
+#[cfg(feature = "pictures")]
+pub use pictures::Pictures;
+pub use plan::{ExplainTopology, Plan};
+pub use reading::Reading;
+pub use record::{Failure, Record, SCHEMA};
+pub use reference::{REFERENCE_SCHEMA, ReferenceRecord, ReferenceTask};
 pub use surface_record::{MAP_SCHEMA, SurfaceRecord};
+#[cfg(feature = "pictures")]
+pub use sweep::{SweepTask, SweptParameter, SweptSurfaces};
+#[cfg(feature = "pictures")]
+pub use sweep_chart::SweepChart;
 #[cfg(feature = "pictures")]
 pub(crate) use sweep_chart::sweep_panels;
 #[cfg(feature = "pictures")]
-pub use sweep_chart::{SweepAxis, write_sweep_chart};
+use sweep_chart::write_sweep_chart;

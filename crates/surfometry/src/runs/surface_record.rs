@@ -1,6 +1,6 @@
 //! What is written of a surface besides its files.
 
-use super::Record;
+use super::{Record, Row};
 use crate::accuracy::{Flag, FlagCode};
 use crate::surface::{CurvatureSummary, Distribution, QUANTILES, Surface};
 use serde::Serialize;
@@ -24,6 +24,14 @@ pub struct SurfaceRecord {
     pub vertices_without_normal: u64,
     /// The files that were written.
     pub files: Vec<String>,
+}
+
+impl Row for SurfaceRecord {
+    const SCHEMA: &'static str = MAP_SCHEMA;
+
+    fn columns() -> Vec<String> {
+        Record::columns()
+    }
 }
 
 impl SurfaceRecord {

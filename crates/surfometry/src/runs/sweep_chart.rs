@@ -1,19 +1,20 @@
 //! An object's numbers over a range of a parameter, as a picture.
 
 use super::map_files::write_figure;
-use super::{FileLedger, InputError, MapStyle, Record, flatten, input_title};
-use crate::measurement::{DescribedSurface, Measured, Parameters, SurfaceValues};
+use super::{FileLedger, MapStyle, Record, RunError, SweptParameter, flatten};
+use crate::inputs::input_title;
+use crate::measurement::{DescribedSurface, Measured, SurfaceValues};
 use crate::pictures::{ChartLine, ChartPanel, LineChart};
 use serde_json::{Map, Value};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-/// What is swept.
-#[derive(Debug, Clone, Copy)]
-pub struct SweepAxis {
-    /// Name with unit.
-    pub name: &'static str,
-    /// Its value in a record's parameters.
-    pub value: fn(&Parameters) -> Option<f64>,
+/// A chart of an object's numbers over a range.
+#[derive(Debug, Clone)]
+pub struct SweepChart {
+    /// The file; where there are several inputs or objects, `_NAME` and `_label-N` go before its ending.
+    pub path: PathBuf,
+    /// What it shows, by names of columns; without any V, A, M and chi, of the blurred and of the original object.
+    pub measures: Vec<String>,
     /// Whether equal ratios are equally far apart.
     pub log: bool,
 }
@@ -25,53 +26,50 @@ const CHOSEN: &str = "The band is the 95 % interval; of blurred measures it is 1
 /// Half-width of a 95 % interval in standard errors.
 const INTERVAL: f64 = 1.96;
 
-/// Writes a chart of one object's records, in their order, against what was swept: of some measures, by their names in the CSV, with 95 % bars where they have standard errors; or, without
-/// any, V, A, M and chi, of the blurred and of the original object.
-///
-/// # Errors
-/// [`InputError`].
-pub fn write_sweep_chart(
+/// Writes a chart of one object's records, in their order, against what was swept, with 95 % bars where there are standard
+/// errors.
+pub(super) fn write_sweep_chart(
     records: &[Record],
-    axis: &SweepAxis,
-    measures: &[String],
+    over: SweptParameter,
+    chart: &SweepChart,
     path: &Path,
-    ledger: &mut FileLedger,
-) -> Result<(), InputError> {
-    let values: Vec<f64> = records.iter().filter_map(|r| (axis.value)(&r.measured.parameters)).collect();
+    ledger: &FileLedger,
+) -> Result<(), RunError> {
+    let values: Vec<f64> = records.iter().filter_map(|r| over.of(&r.measured.parameters)).collect();
     let first = records.first().filter(|_| values.len() == records.len());
-    let first = first.ok_or(InputError::Unfit("nothing was measured that a chart could show"))?;
+    let first = first.ok_or(RunError::Unfit("nothing was measured that a chart could show"))?;
     ledger.claim(path)?;
-    let (panels, what) = if measures.is_empty() {
+    let (panels, what) = if chart.measures.is_empty() {
         (sweep_panels(&records.iter().map(|record| &record.measured).collect::<Vec<_>>()), WHOLE)
     } else {
-        (measure_panels(records, measures)?, CHOSEN)
+        (measure_panels(records, &chart.measures)?, CHOSEN)
     };
     let label = first.label.as_ref().map_or_else(String::new, |label| format!(", label {label}"));
-    let chart = LineChart {
-        along: axis.name,
+    let drawn = LineChart {
+        along: over.axis(),
         values: &values,
-        log: axis.log,
+        log: chart.log,
         panels: &panels,
         title: &format!("{}{label}", input_title(&first.input)),
         caption: &format!(
             "{what} Where a line stays level the choice does not matter; where it drifts or jumps, parts are lost or the grid shows."
         ),
     };
-    write_figure(&chart.figure(), path, MapStyle::default().dpi_scale)
+    write_figure(&drawn.figure(), path, MapStyle::default().dpi_scale)
 }
 
 /// A panel for each measure.
-fn measure_panels<'a>(records: &[Record], measures: &'a [String]) -> Result<Vec<ChartPanel<'a>>, InputError> {
+fn measure_panels<'a>(records: &[Record], measures: &'a [String]) -> Result<Vec<ChartPanel<'a>>, RunError> {
     let rows: Vec<Map<String, Value>> = records
         .iter()
         .map(|record| serde_json::to_value(record).map(|value| flatten(&value)))
         .collect::<Result<_, _>>()
-        .map_err(|_| InputError::Unfit("a record that is no table row"))?;
+        .map_err(|_| RunError::Unfit("a record that is no table row"))?;
     let column = |name: &str| rows.iter().map(|row| row.get(name).and_then(Value::as_f64)).collect();
     let panel = |name: &'a String| {
         let values: Vec<Option<f64>> = column(name);
         if values.iter().all(Option::is_none) {
-            return Err(InputError::NoMeasure(name.clone()));
+            return Err(RunError::NoMeasure(name.clone()));
         }
         let standard_error = match name.strip_prefix("blurred_") {
             Some(measure) => format!("blurred_grid_noise_{measure}"),

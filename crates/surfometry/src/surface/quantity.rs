@@ -1,6 +1,7 @@
 //! The numbers that are known at a vertex.
 
 use super::VertexGeometry;
+use crate::choice::choices;
 
 /// A number at every vertex of a surface.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -22,19 +23,18 @@ pub enum LocalQuantity {
     Displacement,
 }
 
-impl LocalQuantity {
-    /// All of them, in the order of the contract.
-    pub const ALL: [Self; 7] = [
-        Self::MeanCurvature,
-        Self::GaussianCurvature,
-        Self::K1,
-        Self::K2,
-        Self::ShapeIndex,
-        Self::Curvedness,
-        Self::Displacement,
-    ];
+choices!(LocalQuantity, "quantity": {
+    MeanCurvature = "mean-curvature": "Mean curvature H",
+    GaussianCurvature = "gaussian-curvature": "Gaussian curvature K",
+    K1 = "k1": "Principal curvature k1",
+    K2 = "k2": "Principal curvature k2",
+    ShapeIndex = "shape-index": "Shape index",
+    Curvedness = "curvedness": "Curvedness",
+    Displacement = "displacement": "Displacement by the blur",
+});
 
-    /// Name of the array, which ends in the unit where there is one (DESIGN.md 4).
+impl LocalQuantity {
+    /// Name of the array, which ends in the unit where there is one.
     pub fn name(self) -> &'static str {
         match self {
             Self::MeanCurvature => "mean_curvature_per_mm",
@@ -44,32 +44,6 @@ impl LocalQuantity {
             Self::ShapeIndex => "shape_index",
             Self::Curvedness => "curvedness_per_mm",
             Self::Displacement => "displacement_mm",
-        }
-    }
-
-    /// Name in options.
-    pub fn option(self) -> &'static str {
-        match self {
-            Self::MeanCurvature => "mean-curvature",
-            Self::GaussianCurvature => "gaussian-curvature",
-            Self::K1 => "k1",
-            Self::K2 => "k2",
-            Self::ShapeIndex => "shape-index",
-            Self::Curvedness => "curvedness",
-            Self::Displacement => "displacement",
-        }
-    }
-
-    /// Name for people.
-    pub fn title(self) -> &'static str {
-        match self {
-            Self::MeanCurvature => "Mean curvature H",
-            Self::GaussianCurvature => "Gaussian curvature K",
-            Self::K1 => "Principal curvature k1",
-            Self::K2 => "Principal curvature k2",
-            Self::ShapeIndex => "Shape index",
-            Self::Curvedness => "Curvedness",
-            Self::Displacement => "Displacement by the blur",
         }
     }
 

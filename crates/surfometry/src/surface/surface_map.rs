@@ -3,6 +3,7 @@
 use super::isosurface::{cell_limits, stitched};
 use super::tile_mesh::TileMesh;
 use super::{CurvatureSummary, Distribution, LocalQuantity, Mesh, VertexArray, VertexGeometry};
+use crate::Choice;
 use crate::accuracy::{CurvatureErrors, LocalErrorModel};
 use crate::integrals::Band;
 use crate::local_geometry::{Curvature, Differentiation, FieldValue, Jet, TileField};
@@ -120,7 +121,7 @@ impl Surface {
     /// Distributions of all quantities, by area and by vertex.
     pub fn distributions(&self) -> Vec<Distribution> {
         let areas = self.weights();
-        LocalQuantity::ALL.into_iter().filter_map(|quantity| self.weighted(quantity, &areas)).collect()
+        LocalQuantity::ALL.iter().copied().filter_map(|quantity| self.weighted(quantity, &areas)).collect()
     }
 
     /// Distribution of one quantity, without the vertices whose gradient has collapsed; `None` where it is not defined, or

@@ -2,6 +2,7 @@
 
 use super::mesh::{cross, dot, unit};
 use super::{LocalQuantity, VertexArray, VertexValues};
+use crate::Choice;
 use crate::accuracy::CurvatureErrors;
 use crate::local_geometry::{Curvature, Jet};
 use crate::volume::Grid;
@@ -81,7 +82,7 @@ impl VertexGeometry {
             Some(VertexArray { name: quantity.name(), values })
         };
         let [normal, directions @ ..] = DIRECTION_ARRAYS.map(vector);
-        let mut arrays: Vec<VertexArray> = LocalQuantity::ALL.into_iter().filter_map(scalar).collect();
+        let mut arrays: Vec<VertexArray> = LocalQuantity::ALL.iter().copied().filter_map(scalar).collect();
         // In the contract's order: H, K, k1, k2, then directions.
         arrays.splice(4..4, directions);
         arrays.insert(0, normal);

@@ -9,6 +9,7 @@ mod labels;
 mod mask;
 mod samples;
 mod selection;
+mod shared;
 mod slab;
 mod spacing;
 
@@ -22,6 +23,7 @@ pub use labels::{LabelImage, LabelSummary};
 pub use mask::Mask;
 pub use samples::{Samples, Scalar, ScalarType};
 pub use selection::{LabelGroup, LabelSelection, ParseSelectionError};
+pub use shared::Shared;
 pub(crate) use slab::made_slab;
 #[cfg(feature = "io")]
 pub(crate) use slab::slices_a_slab;

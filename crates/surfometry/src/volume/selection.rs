@@ -1,7 +1,7 @@
 //! Which labels to measure, and which to unite.
 
 use super::{LabelImage, VolumeError};
-use serde::{Serialize, Serializer};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::fmt;
 use std::str::FromStr;
 use thiserror::Error;
@@ -35,6 +35,24 @@ impl Serialize for LabelGroup {
         match self.0[..] {
             [label] => serializer.serialize_i64(label),
             _ => serializer.collect_str(self),
+        }
+    }
+}
+
+impl<'de> Deserialize<'de> for LabelGroup {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        #[derive(Deserialize)]
+        #[serde(untagged)]
+        enum Written {
+            One(i64),
+            United(String),
+        }
+        match Written::deserialize(deserializer)? {
+            Written::One(label) => Ok(Self::single(label)),
+            Written::United(text) => match text.parse() {
+                Ok(LabelSelection::Groups(groups)) if groups.len() == 1 => Ok(groups[0].clone()),
+                _ => Err(serde::de::Error::custom(ParseSelectionError(text))),
+            },
         }
     }
 }

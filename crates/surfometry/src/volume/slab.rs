@@ -3,6 +3,7 @@
 use super::{Grid, Samples, VolumeError};
 use rayon::prelude::*;
 use std::ops::Range;
+use std::time::Duration;
 
 /// Some consecutive z slices of an image.
 #[derive(Debug, Clone, PartialEq)]
@@ -26,6 +27,27 @@ pub trait SlabReader {
     /// # Errors
     /// Whatever keeps the source from delivering.
     fn next_slab(&mut self) -> Result<Option<Slab>, Self::Error>;
+
+    /// How long a file has taken to yield its bytes so far, decompression left out; nothing where there is no file.
+    fn file_time(&self) -> Duration {
+        Duration::ZERO
+    }
+}
+
+impl<R: SlabReader + ?Sized> SlabReader for Box<R> {
+    type Error = R::Error;
+
+    fn grid(&self) -> &Grid {
+        (**self).grid()
+    }
+
+    fn next_slab(&mut self) -> Result<Option<Slab>, R::Error> {
+        (**self).next_slab()
+    }
+
+    fn file_time(&self) -> Duration {
+        (**self).file_time()
+    }
 }
 
 /// The next slab of an image that is made slice by slice, of which `next` is the first; `slice` fills one with its voxels, which are 0 before.

@@ -2,7 +2,7 @@
 
 use super::crossings::{Crossing, crossings_of};
 use crate::surface::Mesh;
-use crate::volume::{Affine, Grid, Slab, SlabReader, Spacing, VolumeError, made_slab};
+use crate::volume::{Affine, Grid, LabelImage, Slab, SlabReader, Spacing, VolumeError, made_slab};
 use std::collections::HashMap;
 use thiserror::Error;
 
@@ -11,7 +11,7 @@ const MARGIN: i64 = 2;
 /// Most voxels of a lattice.
 const MOST_VOXELS: f64 = 1e12;
 
-/// The voxels whose centres lie inside a closed mesh, slab by slab as a file would yield them: label 1 inside, 0 outside.
+/// The voxels whose centres lie inside a closed mesh: label 1 inside, 0 outside.
 ///
 /// The lattice's centres are the whole multiples of the spacing from the world's origin, so meshes of one frame share it. Inside is what a surface goes round once or
 /// more: parts may overlap, cavities are surfaces that face the other way, and a mesh may be turned inside out.
@@ -22,7 +22,6 @@ pub struct VoxelisedMesh {
     crossings: Vec<(usize, Crossing)>,
     /// Where each slice's crossings begin, and where the last one's end.
     starts: Vec<usize>,
-    next_slice: usize,
 }
 
 /// Why a mesh has no voxels.
@@ -101,7 +100,25 @@ impl VoxelisedMesh {
         crossings.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.x.total_cmp(&b.1.x)));
         let starts =
             (0..=dimensions[2]).map(|z| crossings.partition_point(|c| c.0 < z * dimensions[1])).collect();
-        Ok(Self { grid, crossings, starts, next_slice: 0 })
+        Ok(Self { grid, crossings, starts })
+    }
+
+    /// The lattice.
+    pub fn grid(&self) -> &Grid {
+        &self.grid
+    }
+
+    /// The voxels as a stream of slabs.
+    pub fn slabs(&self) -> MeshSlabs<'_> {
+        MeshSlabs { mesh: self, next_slice: 0 }
+    }
+
+    /// The label image.
+    ///
+    /// # Errors
+    /// [`VolumeError::TooLarge`] where memory does not suffice.
+    pub fn labels(&self) -> Result<LabelImage, VolumeError> {
+        LabelImage::from_slabs(&mut self.slabs())
     }
 
     fn slice(&self, z: usize, voxels: &mut [u8]) {
@@ -121,18 +138,23 @@ impl VoxelisedMesh {
     }
 }
 
-impl SlabReader for VoxelisedMesh {
+/// A mesh's voxels, slab by slab, as a file would yield them.
+pub struct MeshSlabs<'a> {
+    mesh: &'a VoxelisedMesh,
+    next_slice: usize,
+}
+
+impl SlabReader for MeshSlabs<'_> {
     type Error = VolumeError;
 
     fn grid(&self) -> &Grid {
-        &self.grid
+        &self.mesh.grid
     }
 
     fn next_slab(&mut self) -> Result<Option<Slab>, VolumeError> {
-        let mut next = self.next_slice;
-        let slab = made_slab(self.grid.dimensions(), &mut next, |z, voxels| self.slice(z, voxels));
-        self.next_slice = next;
-        Ok(slab)
+        let mesh = self.mesh;
+        let slice = |z: usize, voxels: &mut [u8]| mesh.slice(z, voxels);
+        Ok(made_slab(mesh.grid.dimensions(), &mut self.next_slice, slice))
     }
 }
 

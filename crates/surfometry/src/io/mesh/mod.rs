@@ -42,6 +42,19 @@ impl MeshFormat {
     /// The extensions of mesh files.
     pub const EXTENSIONS: [&str; 7] = [".ply", ".vtp", ".stl", ".obj", ".glb", ".gii", ".csv"];
 
+    /// Name for people.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Ply => "PLY",
+            Self::Vtp => "VTP",
+            Self::Stl => "STL",
+            Self::Obj => "OBJ",
+            Self::Glb => "GLB",
+            Self::Gifti => "GIFTI",
+            Self::Csv => "CSV",
+        }
+    }
+
     /// By the file's extension, in upper or lower case.
     pub fn of_path(path: &Path) -> Option<Self> {
         match path.extension()?.to_str()?.to_ascii_lowercase().as_str() {

@@ -1,49 +1,23 @@
-//! The document that a run writes.
+//! What is written of an object.
 
-use super::{MAP_SCHEMA, SurfaceRecord};
+use super::Row;
+use super::columns::{RECORD, columns};
 use crate::measurement::Measured;
 use crate::phantoms::Truth;
 use crate::volume::LabelGroup;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// Name and version of the format.
 pub const SCHEMA: &str = "surfometry.measure/2";
 
-/// Results and failures of a run: docs/contract.md.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Output<R = Record> {
-    /// [`SCHEMA`], or [`MAP_SCHEMA`].
-    pub schema: &'static str,
-    /// Version of surfometry.
-    pub version: &'static str,
-    /// One record an object.
-    pub results: Vec<R>,
-    /// Inputs that could not be measured.
-    pub failures: Vec<Failure>,
-}
-
-impl Output {
-    /// A document.
-    pub fn new(results: Vec<Record>, failures: Vec<Failure>) -> Self {
-        Self { schema: SCHEMA, version: env!("CARGO_PKG_VERSION"), results, failures }
-    }
-}
-
-impl Output<SurfaceRecord> {
-    /// A document of surfaces.
-    pub fn of_surfaces(results: Vec<SurfaceRecord>, failures: Vec<Failure>) -> Self {
-        Self { schema: MAP_SCHEMA, version: env!("CARGO_PKG_VERSION"), results, failures }
-    }
-}
-
 /// One object's results.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Record {
     /// The input as named.
     pub input: String,
     /// Label, or labels that were united; `None` for a field, which has none.
     pub label: Option<LabelGroup>,
-    /// The label's name, where a file holds one.
+    /// The label's name, where the input holds one.
     pub name: Option<String>,
     /// Which of the label's pieces, the largest being 1; `None` where all are one object.
     pub component: Option<u64>,
@@ -53,14 +27,25 @@ pub struct Record {
     /// Exact integrals, for phantoms.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub truth: Option<Truth>,
+    /// Blur of the corrected embedding in which the surface is mapped, mm, where it is mapped in one of its own.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub curvature_sigma_mm: Option<f64>,
     /// Time to read and decode the input, s.
     pub read_seconds: Option<f64>,
     /// Time from the decoded labels to all integrals, s.
     pub seconds: f64,
 }
 
-/// An input that could not be measured.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+impl Row for Record {
+    const SCHEMA: &'static str = SCHEMA;
+
+    fn columns() -> Vec<String> {
+        columns(&RECORD)
+    }
+}
+
+/// An input that could not be measured, or not as was asked.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Failure {
     /// The input as named.
     pub input: String,

@@ -1,6 +1,6 @@
 //! Names of the files that several objects are written to.
 
-use crate::phantoms::Phantom;
+use super::Kind;
 use std::collections::HashSet;
 use std::path::{Component, Path, PathBuf};
 
@@ -18,7 +18,7 @@ pub fn with_parts<S: AsRef<str>>(path: &Path, parts: &[S]) -> PathBuf {
 /// An input's name for people: a file's without its folders, a phantom's whole.
 pub fn input_title(input: &str) -> String {
     match Path::new(input).file_name() {
-        Some(name) if !Phantom::is_spec(input) => name.to_string_lossy().into_owned(),
+        Some(name) if Kind::of(input).is_path() => name.to_string_lossy().into_owned(),
         _ => input.to_owned(),
     }
 }
@@ -40,7 +40,7 @@ pub fn distinct_parts(inputs: &[String]) -> Vec<Option<String>> {
     }
     let stems: Vec<String> = inputs.iter().map(|input| input_stem(input)).collect();
     let with_folders = |input: &str, stem: &str| {
-        let folders = Path::new(input).parent().filter(|_| !Phantom::is_spec(input));
+        let folders = Path::new(input).parent().filter(|_| Kind::of(input).is_path());
         let names = folders.into_iter().flat_map(Path::components).filter_map(|part| match part {
             Component::Normal(name) => Some(name.to_string_lossy().into_owned()),
             _ => None,

@@ -1,0 +1,88 @@
+//! A comparison as text.
+
+use super::{Layout, digits};
+use surfometry::comparison::{Comparison, EulerAgreement};
+use surfometry::statistics::{Agreement, ConfusionMatrix, Estimate};
+
+pub(crate) fn comparison_text(comparison: &Comparison) -> String {
+    let Comparison { method, standard, matched, .. } = comparison;
+    let mut parts = vec![format!("{method} against {standard}: {matched} objects\n")];
+    for measure in &comparison.measures {
+        parts.push(format!("\n{}", column(&measure.column, &measure.standard_column)));
+        if measure.left_out > 0 {
+            parts.push(format!(" ({} objects without a value)", measure.left_out));
+        }
+        parts.push("\n".to_owned());
+        parts.push(match &measure.agreement {
+            Some(agreement) => agreement_text(agreement, [method, standard]),
+            None => format!("  {}\n", measure.problem.as_deref().unwrap_or_default()),
+        });
+    }
+    parts.extend(comparison.euler.iter().map(euler_text));
+    parts.push(
+        "\nbias: method minus standard; in brackets: 95 % intervals; proportional bias: slope of the differences on the means of both.\n".to_owned(),
+    );
+    parts.concat()
+}
+
+fn column(method: &str, standard: &str) -> String {
+    if method == standard { method.to_owned() } else { format!("{method} : {standard}") }
+}
+
+fn agreement_text(a: &Agreement, [method, standard]: [&String; 2]) -> String {
+    let spread =
+        |s: surfometry::statistics::Spread| format!("{} \u{b1} {}", digits(s.mean), digits(s.deviation));
+    let b = &a.bland_altman;
+    let rows = [
+        (method.as_str(), spread(a.method)),
+        (standard.as_str(), spread(a.standard)),
+        ("slope", estimate(&a.regression.slope)),
+        ("intercept", estimate(&a.regression.intercept)),
+        ("R\u{b2}", digits(a.regression.r_squared)),
+        (
+            "bias",
+            format!("{}, {} %, p {}", estimate(&b.bias), digits(b.bias_percent), p_value(b.bias_p_value)),
+        ),
+        ("limits of agreement", format!("{} to {}", digits(b.limits[0].value), digits(b.limits[1].value))),
+        (
+            "proportional bias",
+            format!("{}, p {}", estimate(&b.proportional.slope), p_value(b.proportional.slope_p_value)),
+        ),
+        ("concordance", estimate(&a.concordance)),
+        ("ICC, agreement", estimate(&a.intraclass.agreement)),
+    ];
+    rows.map(|(name, value)| format!("  {name:<20} {value}\n")).concat()
+}
+
+fn estimate(e: &Estimate) -> String {
+    let [value, low, high] = [e.value, e.interval[0], e.interval[1]].map(digits);
+    format!("{value} ({low}, {high})")
+}
+
+fn p_value(p: f64) -> String {
+    if p < 1e-4 { "< 0.0001".to_owned() } else { format!("{p:.4}") }
+}
+
+fn euler_text(euler: &EulerAgreement) -> String {
+    let matrices = [("even numbers", &euler.even), ("whole numbers, as in the paper", &euler.integer)];
+    let matrices = matrices.map(|(name, matrix)| {
+        let share = 100.0 * matrix.accuracy();
+        format!("  rounded to {name}: the same in {share:.1} % of {}\n", euler.values.len())
+            + &confusion_text(matrix)
+    });
+    format!("\n{}\n{}", column(&euler.column, &euler.standard_column), matrices.concat())
+}
+
+/// Rows are the standard's classes, columns the method's.
+fn confusion_text(matrix: &ConfusionMatrix) -> String {
+    let classes: Vec<String> = matrix.classes.iter().map(ToString::to_string).collect();
+    let mut columns = vec!["standard \\ method"];
+    columns.extend(classes.iter().map(String::as_str));
+    let mut layout = Layout::new(&columns);
+    for (class, counts) in classes.iter().zip(&matrix.counts) {
+        let mut row = vec![class.clone()];
+        row.extend(counts.iter().map(ToString::to_string));
+        layout.row(row);
+    }
+    layout.text()
+}

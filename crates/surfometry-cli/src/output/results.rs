@@ -1,0 +1,65 @@
+//! Results of a run, to where and in which form they were asked for.
+
+use super::table_sink::{TableSink, TableStyle};
+use crate::console::{INTERRUPTED, STOPPED};
+use crate::options::{OutputFormat, OutputOptions};
+use crate::output::say;
+use anyhow::{Context, Result};
+use std::io::{self, ErrorKind, IsTerminal};
+use surfometry::io::ResultOutput;
+use surfometry::runs::{CsvSink, JsonLinesSink, JsonSink, Outcome, Row, Sink};
+
+/// Runs something that hands its results to a sink, and writes them as the options say; the exit status.
+pub(crate) fn write_results<R: Row>(
+    options: &OutputOptions,
+    style: TableStyle<R>,
+    run: impl FnOnce(&mut dyn Sink<R>) -> io::Result<Outcome>,
+) -> Result<u8> {
+    let out = match options.path() {
+        Some(path) => {
+            ResultOutput::create(path).with_context(|| format!("{}: cannot be written", path.display()))?
+        }
+        None => ResultOutput::stdout(),
+    };
+    // A terminal has shown the failures already.
+    let list_failures = options.path().is_some() || !io::stdout().is_terminal();
+    let written = match options.format() {
+        OutputFormat::Table => {
+            let mut sink = TableSink::new(out, style, list_failures);
+            run(&mut sink).and_then(|outcome| Ok((outcome, sink.finish()?)))
+        }
+        OutputFormat::Json => JsonSink::new(out)
+            .and_then(|mut sink| run(&mut sink).and_then(|outcome| Ok((outcome, sink.finish()?)))),
+        OutputFormat::Jsonl => {
+            let mut sink = JsonLinesSink::new(out);
+            run(&mut sink).map(|outcome| (outcome, sink.finish()))
+        }
+        OutputFormat::Csv => CsvSink::new(out)
+            .and_then(|mut sink| run(&mut sink).and_then(|outcome| Ok((outcome, sink.finish()?)))),
+    };
+    let finished = written.and_then(|(outcome, out)| {
+        // A run that was stopped leaves its results under the name of an unfinished file.
+        if !outcome.stopped || out.partial().is_none() {
+            out.finish()?;
+        }
+        Ok(outcome)
+    });
+    match finished {
+        // The reader went away, as `head` does: nothing is wrong.
+        Err(error) if error.kind() == ErrorKind::BrokenPipe && options.path().is_none() => Ok(0),
+        Err(error) => {
+            let name = options.path().map_or_else(|| "stdout".to_owned(), |path| path.display().to_string());
+            Err(error).with_context(|| format!("{name}: cannot be written"))
+        }
+        Ok(outcome) => Ok(status(outcome)),
+    }
+}
+
+/// The exit status of a run.
+pub(crate) fn status(outcome: Outcome) -> u8 {
+    if outcome.stopped {
+        say(STOPPED);
+        return INTERRUPTED;
+    }
+    if outcome.failures == 0 { crate::commands::ALL_DONE } else { crate::commands::SOME_FAILED }
+}

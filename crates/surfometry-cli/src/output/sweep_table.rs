@@ -1,0 +1,62 @@
+//! Sweeps as tables for people.
+
+use super::{Layout, TableStyle, digits};
+use surfometry::runs::{Record, SweptParameter};
+
+const LEGEND: &str = "V mm\u{b3}, A mm\u{b2}, M = total H mm of the object as it was segmented, with standard errors; blurred: of the \
+                      smoothed surface.";
+
+pub(crate) fn sweep_tables(over: SweptParameter) -> TableStyle<Record> {
+    TableStyle {
+        of_input: Box::new(move |records| table(over, records)),
+        legend: Some((LEGEND.to_owned(), |_| true)),
+    }
+}
+
+fn table(over: SweptParameter, records: &[Record]) -> String {
+    let columns = [
+        "label",
+        over.heading(),
+        "V",
+        "\u{b1}",
+        "blurred",
+        "A",
+        "\u{b1}",
+        "blurred",
+        "M",
+        "\u{b1}",
+        "blurred",
+        "chi",
+        "chi mesh",
+        "flags",
+    ];
+    let mut layout = Layout::new(&columns);
+    for record in records {
+        layout.row(row(over, record));
+    }
+    format!("{}\n{}", records[0].input, layout.text())
+}
+
+fn row(over: SweptParameter, record: &Record) -> Vec<String> {
+    let m = &record.measured;
+    let number = |v: Option<f64>| v.map_or_else(|| "-".to_owned(), digits);
+    let rough = |v: Option<f64>| v.map_or_else(|| "-".to_owned(), |v| format!("{v:.2e}"));
+    let (e, b) = (&m.standard_error, &m.blurred);
+    let codes: Vec<String> = m.flags.iter().map(|flag| flag.code.to_string()).collect();
+    vec![
+        record.label.as_ref().map_or_else(String::new, ToString::to_string),
+        number(over.of(&m.parameters)),
+        number(m.volume_mm3),
+        rough(e.volume_mm3),
+        number(b.volume_mm3),
+        number(m.surface_area_mm2),
+        rough(e.surface_area_mm2),
+        number(b.surface_area_mm2),
+        number(m.total_mean_curvature_mm),
+        rough(e.total_mean_curvature_mm),
+        number(b.total_mean_curvature_mm),
+        b.euler_characteristic.map_or_else(|| "-".to_owned(), |chi| format!("{chi:.2}")),
+        m.topology.euler_characteristic_mesh.map_or_else(|| "-".to_owned(), |chi| chi.to_string()),
+        codes.join(";"),
+    ]
+}

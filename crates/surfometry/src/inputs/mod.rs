@@ -1,0 +1,128 @@
+//! Everything that can be measured, behind one door: [`open`] makes a [`Source`] of whatever a name stands for.
+//!
+//! A new kind of input is a file here and an arm of [`Kind`]: nobody else asks what an input is.
+
+mod error;
+mod file;
+mod mesh;
+mod names;
+mod phantom;
+mod slabs;
+
+pub use error::InputError;
+pub use names::{distinct_parts, input_title, with_parts};
+
+use crate::accuracy::Flag;
+use crate::phantoms::{Phantom, Truth};
+use crate::volume::{Grid, SlabReader};
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+/// Something that can be measured: its lattice, its voxels as often as they are wanted, and what is known of it beside.
+///
+/// ```
+/// use surfometry::inputs::{OpenOptions, open};
+/// use surfometry::volume::LabelImage;
+/// let source = open("phantom:ball?radius=6", &OpenOptions::default())?;
+/// let image = LabelImage::from_slabs(&mut source.slabs()?)?;
+/// assert_eq!(image.grid().dimensions(), source.grid().dimensions());
+/// # Ok::<(), surfometry::inputs::InputError>(())
+/// ```
+pub trait Source: Send + Sync {
+    /// The lattice.
+    fn grid(&self) -> &Grid;
+
+    /// The voxels, front to back; each call begins again.
+    ///
+    /// # Errors
+    /// [`InputError`] for whatever shows before the first slab.
+    fn slabs(&self) -> Result<Slabs<'_>, InputError>;
+
+    /// What the header says of how voxels are stored.
+    fn header(&self) -> HeaderFacts;
+
+    /// Exact integrals, of built-in shapes.
+    fn truth(&self) -> Option<Truth> {
+        None
+    }
+
+    /// Whether its voxels are an object by the way in which they are made, so that they can be no field.
+    fn is_object(&self) -> bool {
+        false
+    }
+
+    /// Names of labels, where the input has any.
+    fn label_names(&self) -> BTreeMap<i64, String> {
+        BTreeMap::new()
+    }
+
+    /// The files that it rests on: header and data, where they are apart; none of a built-in shape.
+    fn files(&self) -> Vec<PathBuf> {
+        Vec::new()
+    }
+
+    /// Warnings that come with it.
+    fn flags(&self) -> Vec<Flag> {
+        Vec::new()
+    }
+}
+
+/// The voxels of a source.
+pub type Slabs<'a> = Box<dyn SlabReader<Error = InputError> + 'a>;
+
+/// How voxels are stored.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct HeaderFacts {
+    /// Name of the format, for people.
+    pub format: &'static str,
+    /// Type of a voxel, as NumPy names it.
+    pub voxel_type: &'static str,
+}
+
+/// What the caller knows better than the input.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct OpenOptions {
+    /// Spacing in mm, fastest axis first: replaces the input's, or supplies what it lacks.
+    pub spacing: Option<[f64; 3]>,
+}
+
+/// Opens whatever a name stands for.
+///
+/// # Errors
+/// [`InputError`] for whatever shows before its voxels are read.
+pub fn open(name: &str, options: &OpenOptions) -> Result<Box<dyn Source>, InputError> {
+    Ok(match Kind::of(name) {
+        Kind::Phantom => Box::new(phantom::PhantomSource::open(name, options)?),
+        Kind::Mesh => Box::new(mesh::MeshSource::open(Path::new(name), options)?),
+        Kind::File => Box::new(file::FileSource::open(Path::new(name), options)?),
+    })
+}
+
+/// What a name stands for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kind {
+    /// A built-in shape: `phantom:NAME?key=value&...`.
+    Phantom,
+    /// A closed surface in a file.
+    Mesh,
+    /// An image in a file.
+    File,
+}
+
+impl Kind {
+    /// By the name alone.
+    pub fn of(name: &str) -> Self {
+        if Phantom::is_spec(name) {
+            Self::Phantom
+        } else if crate::io::is_mesh(Path::new(name)) {
+            Self::Mesh
+        } else {
+            Self::File
+        }
+    }
+
+    /// Whether the name is that of a file.
+    pub fn is_path(self) -> bool {
+        self != Self::Phantom
+    }
+}

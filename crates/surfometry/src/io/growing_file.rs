@@ -1,0 +1,168 @@
+//! Files that grow while a run goes on, and take their name when it has ended.
+
+use std::ffi::OsString;
+use std::fs::{self, File};
+use std::io::{self, Seek, SeekFrom, Write};
+use std::path::{Path, PathBuf};
+
+/// A file under a name of its own, `NAME.partial`, until it is finished. Where a run is killed, what it has written so far
+/// is there.
+#[derive(Debug)]
+pub struct GrowingFile {
+    file: File,
+    partial: PathBuf,
+    target: PathBuf,
+}
+
+impl GrowingFile {
+    /// Begins a file, in the place of an earlier unfinished one. A link is followed; the file of that name stays as it is
+    /// until this one is finished.
+    ///
+    /// # Errors
+    /// Whatever the file system says; a target that is a folder, or cannot be written.
+    pub fn create(path: &Path) -> io::Result<Self> {
+        let target = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
+        if target.is_dir() {
+            return Err(io::Error::new(io::ErrorKind::IsADirectory, "it is a folder"));
+        }
+        if target.is_file() {
+            // Whoever took the right to write it away meant it.
+            File::options().append(true).open(&target)?;
+        }
+        let mut name = target.file_name().map_or_else(OsString::new, OsString::from);
+        name.push(".partial");
+        let partial = target.with_file_name(name);
+        Ok(Self { file: File::create(&partial)?, partial, target })
+    }
+
+    /// Gives the file its name.
+    ///
+    /// # Errors
+    /// Whatever the file system says; what was written is under the partial name then.
+    pub fn finish(mut self) -> io::Result<()> {
+        let end = self.file.stream_position()?;
+        self.file.set_len(end)?;
+        if let Ok(earlier) = fs::metadata(&self.target) {
+            self.file.set_permissions(earlier.permissions())?;
+        }
+        self.file.sync_all()?;
+        fs::rename(&self.partial, &self.target)
+    }
+
+    /// Writes bytes, and behind them an end that the next ones will replace: by one call to the system, so that a run that
+    /// is killed leaves either both or neither.
+    fn write_secured(&mut self, bytes: &[u8], end: &[u8]) -> io::Result<()> {
+        self.file.write_all(&[bytes, end].concat())?;
+        let written = self.file.stream_position()?;
+        self.file.set_len(written)?;
+        self.file.seek(SeekFrom::Start(written - end.len() as u64))?;
+        Ok(())
+    }
+}
+
+/// Where the results of a run go while it goes on: a file that grows, or a stream.
+pub enum ResultOutput {
+    /// A file.
+    File(GrowingFile),
+    /// A pipe, a terminal, a device.
+    Stream(Box<dyn Write + Send>),
+}
+
+impl ResultOutput {
+    /// Standard output.
+    pub fn stdout() -> Self {
+        Self::Stream(Box::new(io::stdout()))
+    }
+
+    /// A file of a name, or what else has that name, as `/dev/stdout`.
+    ///
+    /// # Errors
+    /// As of [`GrowingFile::create`].
+    pub fn create(path: &Path) -> io::Result<Self> {
+        let special = fs::metadata(path).is_ok_and(|m| !m.is_file() && !m.is_dir());
+        if special {
+            return Ok(Self::Stream(Box::new(File::options().write(true).open(path)?)));
+        }
+        GrowingFile::create(path).map(Self::File)
+    }
+
+    /// Writes bytes, and behind them, where they can be replaced, an end that makes whole what was written so far.
+    ///
+    /// # Errors
+    /// Whatever keeps them from being written.
+    pub fn write_secured(&mut self, bytes: &[u8], end: &[u8]) -> io::Result<()> {
+        match self {
+            Self::File(file) => file.write_secured(bytes, end),
+            Self::Stream(stream) => stream.write_all(bytes),
+        }
+    }
+
+    /// Ends what was written: a file takes its name.
+    ///
+    /// # Errors
+    /// Whatever keeps it from being written.
+    pub fn finish(self) -> io::Result<()> {
+        match self {
+            Self::File(file) => file.finish(),
+            Self::Stream(mut stream) => stream.flush(),
+        }
+    }
+
+    /// Where a file's results are until it is finished.
+    pub fn partial(&self) -> Option<&Path> {
+        match self {
+            Self::File(file) => Some(&file.partial),
+            Self::Stream(_) => None,
+        }
+    }
+}
+
+impl Write for ResultOutput {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        match self {
+            Self::File(file) => file.write(bytes),
+            Self::Stream(stream) => stream.write(bytes),
+        }
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        match self {
+            Self::File(file) => file.flush(),
+            Self::Stream(stream) => stream.flush(),
+        }
+    }
+}
+
+impl Write for GrowingFile {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.file.write(bytes)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.file.flush()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn it_takes_its_name_at_the_end_and_keeps_rights() {
+        use std::os::unix::fs::PermissionsExt;
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("results.json");
+        fs::write(&path, "old").unwrap();
+        fs::set_permissions(&path, fs::Permissions::from_mode(0o640)).unwrap();
+        let mut file = GrowingFile::create(&path).unwrap();
+        file.write_secured(b"one", b" and the end").unwrap();
+        let partial = folder.path().join("results.json.partial");
+        assert_eq!(fs::read(&partial).unwrap(), b"one and the end");
+        assert_eq!(fs::read(&path).unwrap(), b"old");
+        file.write_all(b", two").unwrap();
+        file.finish().unwrap();
+        assert_eq!(fs::read(&path).unwrap(), b"one, two");
+        assert_eq!(fs::metadata(&path).unwrap().permissions().mode() & 0o777, 0o640);
+        assert!(!partial.exists());
+    }
+}

@@ -1,0 +1,264 @@
+//! Many inputs, one task.
+
+use super::{Failure, RunError};
+use crate::inputs::{OpenOptions, Source, distinct_parts, open};
+use crate::{Control, Event};
+use rayon::prelude::*;
+use std::io;
+
+/// Inputs to which the same is done: read once each, small ones side by side, large ones one after the other, what comes
+/// out in the order of the inputs.
+///
+/// ```
+/// use surfometry::{Control, runs::{Batch, Collected, MeasureTask}};
+/// let inputs = ["phantom:ball?radius=6".to_owned(), "phantom:ball?radius=7".to_owned()];
+/// let (control, mut found) = (Control::default(), Collected::default());
+/// let batch = Batch { inputs: &inputs, open: Default::default(), control: &control };
+/// batch.run(&MeasureTask::default(), &mut found)?;
+/// assert_eq!((found.results.len(), found.failures.len()), (2, 0));
+/// # Ok::<(), std::io::Error>(())
+/// ```
+#[derive(Debug, Clone, Copy)]
+pub struct Batch<'a> {
+    /// Names of the inputs.
+    pub inputs: &'a [String],
+    /// What the caller knows better than they.
+    pub open: OpenOptions,
+    /// Who hears of the run's progress and may stop it.
+    pub control: &'a Control,
+}
+
+/// What is done with every input.
+pub trait Task: Sync {
+    /// What comes out, one an object or several.
+    type Row: Send;
+
+    /// Whether small inputs may be done at the same time: what comes of one does not depend on those before.
+    fn side_by_side(&self) -> bool {
+        true
+    }
+
+    /// Does all that is wanted of an input, and hands out rows and failures as they come.
+    ///
+    /// # Errors
+    /// [`RunError`]: nothing more of this input comes then.
+    fn run(&self, input: &Opened, out: &mut dyn FnMut(Item<Self::Row>)) -> Result<(), RunError>;
+}
+
+/// An input that was opened.
+pub struct Opened<'a> {
+    /// Its name, as given.
+    pub name: &'a str,
+    /// What tells names of its files from those of other inputs; `None` where it is the only one.
+    pub part: Option<&'a str>,
+    /// The input.
+    pub source: Box<dyn Source>,
+    /// Who hears of the run's progress and may stop it.
+    pub control: &'a Control,
+}
+
+/// What a task hands out.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Item<R> {
+    /// A result.
+    Row(R),
+    /// Something that was asked for and could not be had; the rest could.
+    Failure(Failure),
+}
+
+/// Where results go, one after the other.
+pub trait Sink<R> {
+    /// Takes a result.
+    ///
+    /// # Errors
+    /// Whatever keeps it from being written; the run ends.
+    fn row(&mut self, row: R) -> io::Result<()>;
+
+    /// Takes a failure.
+    ///
+    /// # Errors
+    /// As of [`Sink::row`].
+    fn failure(&mut self, failure: Failure) -> io::Result<()>;
+
+    /// Hears that all of an input was handed over.
+    ///
+    /// # Errors
+    /// As of [`Sink::row`].
+    fn input_ends(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}
+
+/// A sink that keeps everything.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Collected<R> {
+    /// The results.
+    pub results: Vec<R>,
+    /// What failed.
+    pub failures: Vec<Failure>,
+}
+
+impl<R> Default for Collected<R> {
+    fn default() -> Self {
+        Self { results: Vec::new(), failures: Vec::new() }
+    }
+}
+
+impl<R> Sink<R> for Collected<R> {
+    fn row(&mut self, row: R) -> io::Result<()> {
+        self.results.push(row);
+        Ok(())
+    }
+
+    fn failure(&mut self, failure: Failure) -> io::Result<()> {
+        self.failures.push(failure);
+        Ok(())
+    }
+}
+
+/// How a run ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Outcome {
+    /// How many results there are.
+    pub rows: usize,
+    /// How many failures.
+    pub failures: usize,
+    /// Whether it was told to stop before all was done.
+    pub stopped: bool,
+}
+
+/// Voxels up to which an input is small: several are in memory at once, and each is too short to share out well.
+const SMALL: usize = 1 << 21;
+/// Inputs for each thread that are looked at together.
+const AHEAD: usize = 4;
+
+/// What came of an input.
+enum Done<'a, R> {
+    /// All of it.
+    All(Vec<Item<R>>),
+    /// It is large, and waits for its turn.
+    Large(Opened<'a>),
+    /// The run was told to stop.
+    Stopped,
+}
+
+impl Batch<'_> {
+    /// Does a task with every input. An input that fails is handed to the sink as a failure, and the others are done.
+    ///
+    /// # Errors
+    /// The sink's.
+    pub fn run<T: Task>(&self, task: &T, sink: &mut dyn Sink<T::Row>) -> io::Result<Outcome> {
+        let parts = distinct_parts(self.inputs);
+        let named: Vec<(&str, Option<&str>)> =
+            self.inputs.iter().map(String::as_str).zip(parts.iter().map(Option::as_deref)).collect();
+        let mut outcome = Outcome::default();
+        for window in named.chunks(AHEAD * rayon::current_num_threads()) {
+            let done: Vec<(&str, Done<T::Row>)> =
+                window.par_iter().map(|&named| (named.0, self.done_if_small(task, named))).collect();
+            for (name, done) in done {
+                match done {
+                    Done::All(items) => items.into_iter().try_for_each(|item| outcome.hand(item, sink))?,
+                    Done::Large(input) => self.in_turn(task, &input, &mut outcome, sink)?,
+                    Done::Stopped => outcome.stopped = true,
+                }
+                if outcome.stopped {
+                    return Ok(outcome);
+                }
+                sink.input_ends()?;
+                self.control.tell(&Event::Finished { input: name });
+            }
+        }
+        Ok(outcome)
+    }
+
+    fn done_if_small<'n, T: Task>(
+        &'n self,
+        task: &T,
+        (name, part): (&'n str, Option<&'n str>),
+    ) -> Done<'n, T::Row> {
+        if self.control.is_stopped() {
+            return Done::Stopped;
+        }
+        let failed = |error: &RunError| Done::All(vec![Item::Failure(self.failed(name, error))]);
+        let source = match open(name, &self.open) {
+            Ok(source) => source,
+            Err(error) => return failed(&error.into()),
+        };
+        let input = Opened { name, part, source, control: self.control };
+        if self.inputs.len() == 1 || !task.side_by_side() || input.source.grid().voxel_count() > SMALL {
+            return Done::Large(input);
+        }
+        let mut items = Vec::new();
+        match self.told(task, &input, &mut |item| items.push(item)) {
+            Err(error) if error.is_stop() => Done::Stopped,
+            Err(error) => {
+                items.push(Item::Failure(self.failed(name, &error)));
+                Done::All(items)
+            }
+            Ok(()) => Done::All(items),
+        }
+    }
+
+    /// Hands over what comes of a large input as it comes.
+    fn in_turn<T: Task>(
+        &self,
+        task: &T,
+        input: &Opened,
+        outcome: &mut Outcome,
+        sink: &mut dyn Sink<T::Row>,
+    ) -> io::Result<()> {
+        let mut written = Ok(());
+        let ended = self.told(task, input, &mut |item| {
+            if written.is_ok() {
+                written = outcome.hand(item, sink);
+            }
+        });
+        written?;
+        match ended {
+            Err(error) if error.is_stop() => outcome.stopped = true,
+            Err(error) => outcome.hand(Item::Failure(self.failed(input.name, &error)), sink)?,
+            Ok(()) => {}
+        }
+        Ok(())
+    }
+
+    fn told<T: Task>(
+        &self,
+        task: &T,
+        input: &Opened,
+        out: &mut dyn FnMut(Item<T::Row>),
+    ) -> Result<(), RunError> {
+        self.control.tell(&Event::Started { input: input.name });
+        task.run(input, out)
+    }
+
+    /// The failure of an input, of which whoever listens is told at once.
+    fn failed(&self, input: &str, error: &RunError) -> Failure {
+        let failure = Failure::new(input, error);
+        self.control.tell(&Event::Failed { input, error: &failure.error });
+        failure
+    }
+}
+
+impl Outcome {
+    fn hand<R>(&mut self, item: Item<R>, sink: &mut dyn Sink<R>) -> io::Result<()> {
+        match item {
+            Item::Row(row) => {
+                self.rows += 1;
+                sink.row(row)
+            }
+            Item::Failure(failure) => {
+                self.failures += 1;
+                sink.failure(failure)
+            }
+        }
+    }
+}
+
+impl Opened<'_> {
+    /// Hands out a failure that leaves the rest of the input, of which whoever listens is told at once.
+    pub(super) fn fail<R>(&self, failure: Failure, out: &mut dyn FnMut(Item<R>)) {
+        self.control.tell(&Event::Failed { input: &failure.input, error: &failure.error });
+        out(Item::Failure(failure));
+    }
+}

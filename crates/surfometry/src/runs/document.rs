@@ -1,0 +1,168 @@
+//! Results as documents, written while they come.
+
+use super::{Failure, Sink, flatten};
+use crate::io::ResultOutput;
+use serde::Serialize;
+use serde_json::{Value, json};
+use std::io::{self, Write};
+use std::marker::PhantomData;
+
+/// A result that documents and tables hold.
+pub trait Row: Serialize + Send {
+    /// Name and version of the document.
+    const SCHEMA: &'static str;
+
+    /// The columns of a table, the same for every row.
+    fn columns() -> Vec<String>;
+}
+
+/// The document as a whole: schema, version, results, failures. Wherever the run ends, what was written to a file so far is
+/// a whole document.
+pub struct JsonSink<R> {
+    out: ResultOutput,
+    rows: usize,
+    failures: Vec<Failure>,
+    of: PhantomData<fn(R)>,
+}
+
+impl<R: Row> JsonSink<R> {
+    /// Begins a document.
+    ///
+    /// # Errors
+    /// Whatever keeps it from being written.
+    pub fn new(out: ResultOutput) -> io::Result<Self> {
+        let mut sink = Self { out, rows: 0, failures: Vec::new(), of: PhantomData };
+        let head = format!(
+            "{{\n  \"schema\": {},\n  \"version\": {},\n  \"results\": [",
+            json!(R::SCHEMA),
+            json!(env!("CARGO_PKG_VERSION"))
+        );
+        sink.write(&head)?;
+        Ok(sink)
+    }
+
+    /// Ends the document.
+    ///
+    /// # Errors
+    /// Whatever keeps it from being written.
+    pub fn finish(mut self) -> io::Result<ResultOutput> {
+        let end = self.end()?;
+        self.out.write_all(end.as_bytes())?;
+        Ok(self.out)
+    }
+
+    fn end(&self) -> io::Result<String> {
+        let close = if self.rows == 0 { "]" } else { "\n  ]" };
+        Ok(format!("{close},\n  \"failures\": {}\n}}\n", indented(&self.failures, "  ")?))
+    }
+
+    fn write(&mut self, text: &str) -> io::Result<()> {
+        let end = self.end()?;
+        self.out.write_secured(text.as_bytes(), end.as_bytes())
+    }
+}
+
+impl<R: Row> Sink<R> for JsonSink<R> {
+    fn row(&mut self, row: R) -> io::Result<()> {
+        let comma = if self.rows == 0 { "" } else { "," };
+        self.rows += 1;
+        self.write(&format!("{comma}\n    {}", indented(&row, "    ")?))
+    }
+
+    fn failure(&mut self, failure: Failure) -> io::Result<()> {
+        self.failures.push(failure);
+        self.write("")
+    }
+}
+
+/// A value as it stands in a document that is indented by two spaces a level.
+fn indented(value: &impl Serialize, by: &str) -> io::Result<String> {
+    Ok(serde_json::to_string_pretty(value)?.replace('\n', &format!("\n{by}")))
+}
+
+/// A result or a failure a line.
+pub struct JsonLinesSink<R> {
+    out: ResultOutput,
+    of: PhantomData<fn(R)>,
+}
+
+impl<R: Row> JsonLinesSink<R> {
+    /// Of an output.
+    pub fn new(out: ResultOutput) -> Self {
+        Self { out, of: PhantomData }
+    }
+
+    /// The output, to which all was written.
+    pub fn finish(self) -> ResultOutput {
+        self.out
+    }
+
+    fn line(&mut self, value: &impl Serialize) -> io::Result<()> {
+        self.out.write_all((serde_json::to_string(value)? + "\n").as_bytes())?;
+        self.out.flush()
+    }
+}
+
+impl<R: Row> Sink<R> for JsonLinesSink<R> {
+    fn row(&mut self, row: R) -> io::Result<()> {
+        self.line(&row)
+    }
+
+    fn failure(&mut self, failure: Failure) -> io::Result<()> {
+        self.line(&failure)
+    }
+}
+
+/// A table with a header: nested fields flattened, failed inputs as rows with an `error`.
+pub struct CsvSink<R> {
+    out: csv::Writer<ResultOutput>,
+    columns: Vec<String>,
+    of: PhantomData<fn(R)>,
+}
+
+impl<R: Row> CsvSink<R> {
+    /// Begins a table.
+    ///
+    /// # Errors
+    /// Whatever keeps it from being written.
+    pub fn new(out: ResultOutput) -> io::Result<Self> {
+        let mut columns = R::columns();
+        columns.push("error".to_owned());
+        let mut out = csv::Writer::from_writer(out);
+        out.write_record(&columns)?;
+        Ok(Self { out, columns, of: PhantomData })
+    }
+
+    /// The output, all written.
+    ///
+    /// # Errors
+    /// Whatever keeps it from being written.
+    pub fn finish(self) -> io::Result<ResultOutput> {
+        self.out.into_inner().map_err(csv::IntoInnerError::into_error)
+    }
+
+    fn write(&mut self, record: &Value) -> io::Result<()> {
+        let row = flatten(record);
+        let cells = self.columns.iter().map(|column| row.get(column).map_or_else(String::new, cell));
+        self.out.write_record(cells)?;
+        self.out.flush()
+    }
+}
+
+impl<R: Row> Sink<R> for CsvSink<R> {
+    fn row(&mut self, row: R) -> io::Result<()> {
+        self.write(&serde_json::to_value(row)?)
+    }
+
+    fn failure(&mut self, failure: Failure) -> io::Result<()> {
+        self.write(&serde_json::to_value(failure)?)
+    }
+}
+
+fn cell(value: &Value) -> String {
+    match value {
+        Value::Null => String::new(),
+        Value::String(text) => text.clone(),
+        other => other.to_string(),
+    }
+}

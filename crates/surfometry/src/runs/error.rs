@@ -1,0 +1,84 @@
+//! Why not all that was asked of an input could be done.
+
+use crate::Stopped;
+use crate::inputs::InputError;
+use crate::measurement::{MeasureError, StreamError};
+use crate::volume::VolumeError;
+use std::io;
+use std::path::PathBuf;
+use thiserror::Error;
+
+/// Why not all that was asked of an input could be done. The input's name is added by who knows it.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum RunError {
+    /// The input.
+    #[error(transparent)]
+    Input(#[from] InputError),
+    /// The measurement.
+    #[error(transparent)]
+    Measure(#[from] MeasureError),
+    /// An object without a surface.
+    #[error(
+        "nothing is left inside the level set at this sigma and level, so there is no surface; use a smaller sigma"
+    )]
+    NoSurface,
+    /// A picture that could not be drawn.
+    #[cfg(feature = "pictures")]
+    #[error(transparent)]
+    Picture(#[from] crate::pictures::PictureError),
+    /// A file that would replace an input.
+    #[error("{path}: the output would replace an input; choose another name", path = path.display())]
+    ReplacesInput {
+        /// The file.
+        path: PathBuf,
+    },
+    /// A file that an earlier output of the same run has become.
+    #[error("{path}: another output of this run has that name already; choose names that differ, or use other folders", path = path.display())]
+    NameTaken {
+        /// The file.
+        path: PathBuf,
+    },
+    /// A file that could not be written.
+    #[error("{path}: cannot be written: {source}", path = path.display())]
+    Write {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: io::Error,
+    },
+    /// A measure that records do not have.
+    #[error("{0}: no number of that name was measured; names are those of the columns of CSV")]
+    NoMeasure(String),
+    /// What cannot be done with the input.
+    #[error("{0}")]
+    Unfit(&'static str),
+}
+
+impl RunError {
+    /// Whether it is no fault of the input: the run was told to stop.
+    pub fn is_stop(&self) -> bool {
+        matches!(self, Self::Input(InputError::Stopped(_)))
+    }
+}
+
+impl From<Stopped> for RunError {
+    fn from(stopped: Stopped) -> Self {
+        Self::Input(stopped.into())
+    }
+}
+
+impl From<StreamError<InputError>> for RunError {
+    fn from(error: StreamError<InputError>) -> Self {
+        match error {
+            StreamError::Read(error) => error.into(),
+            StreamError::Measure(error) => error.into(),
+        }
+    }
+}
+
+impl From<VolumeError> for RunError {
+    fn from(error: VolumeError) -> Self {
+        Self::Input(error.into())
+    }
+}

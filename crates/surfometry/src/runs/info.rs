@@ -1,0 +1,87 @@
+//! What an input holds.
+
+use super::reading::Watched;
+use super::{Item, Opened, RunError, Task};
+use crate::accuracy::Flag;
+use crate::volume::{LabelImage, LabelSummary};
+use serde::Serialize;
+
+/// Describes every input: format, lattice, orientation, labels.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct InfoTask;
+
+/// What an input holds.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct InputDescription {
+    /// The input as named.
+    pub input: String,
+    /// Name of its format.
+    pub format: &'static str,
+    /// Type of its voxels, as NumPy names it.
+    pub voxel_type: &'static str,
+    /// Voxels along x, y, z.
+    pub dimensions: [usize; 3],
+    /// Spacing along x, y, z.
+    pub spacing_mm: [f64; 3],
+    /// Where the axes point: right or left, anterior or posterior, superior or inferior.
+    pub axes: String,
+    /// From index to world (RAS), mm.
+    pub affine_ras_mm: AffineDescription,
+    /// The labels that occur, background left out.
+    pub labels: Vec<LabelDescription>,
+    /// Warnings.
+    pub flags: Vec<Flag>,
+}
+
+/// An index-to-world transform: world = linear * index + origin.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct AffineDescription {
+    /// Rows of its matrix.
+    pub linear: [[f64; 3]; 3],
+    /// Where the first voxel is.
+    pub origin: [f64; 3],
+}
+
+/// A label that occurs.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct LabelDescription {
+    /// The label.
+    pub label: i64,
+    /// Its name, where the input holds one.
+    pub name: Option<String>,
+    /// Number of voxels.
+    pub voxels: u64,
+    /// Their volume.
+    pub volume_mm3: f64,
+    /// First and last voxel index along x, y, z, both inclusive.
+    pub bounding_box: [[i64; 3]; 2],
+}
+
+impl Task for InfoTask {
+    type Row = InputDescription;
+
+    fn run(&self, input: &Opened, out: &mut dyn FnMut(Item<InputDescription>)) -> Result<(), RunError> {
+        let Opened { name, source, control, .. } = input;
+        let image = LabelImage::from_slabs(&mut Watched { slabs: source.slabs()?, input: name, control })?;
+        let (grid, header, names) = (source.grid(), source.header(), source.label_names());
+        let label = |s: &LabelSummary| LabelDescription {
+            label: s.label,
+            name: names.get(&s.label).cloned(),
+            voxels: s.voxels,
+            volume_mm3: s.voxels as f64 * grid.spacing().cell_volume(),
+            bounding_box: [s.bounds.lower, s.bounds.upper.map(|u| u - 1)],
+        };
+        out(Item::Row(InputDescription {
+            input: (*name).to_owned(),
+            format: header.format,
+            voxel_type: header.voxel_type,
+            dimensions: grid.dimensions(),
+            spacing_mm: grid.spacing().mm(),
+            axes: grid.affine().axis_codes(),
+            affine_ras_mm: AffineDescription { linear: grid.affine().linear, origin: grid.affine().origin },
+            labels: image.summaries().iter().map(label).collect(),
+            flags: source.flags(),
+        }));
+        Ok(())
+    }
+}

@@ -1,0 +1,63 @@
+//! Objects to files that show them.
+
+use super::write_map_files;
+use super::{FileLedger, InputObject, Item, MapStyle, Opened, Plan, Reading, RunError, SurfaceRecord, Task};
+use crate::inputs::with_parts;
+use std::path::PathBuf;
+
+/// Maps every selected object of an input: files, and a record with the distributions of curvature.
+#[derive(Debug)]
+pub struct MapTask {
+    /// What is asked.
+    pub plan: Plan,
+    /// Files for each object; where there are several inputs or objects, `_NAME` and `_label-N` go before their endings.
+    pub files: Vec<PathBuf>,
+    /// How they are made.
+    pub style: MapStyle,
+    /// The files of the run.
+    pub ledger: FileLedger,
+}
+
+impl Task for MapTask {
+    type Row = SurfaceRecord;
+
+    fn run(&self, input: &Opened, out: &mut dyn FnMut(Item<SurfaceRecord>)) -> Result<(), RunError> {
+        let reading = Reading::of(input, &self.plan)?;
+        let files: Vec<PathBuf> =
+            self.files.iter().map(|path| with_parts(path, input.part.as_slice())).collect();
+        for object in reading.objects() {
+            let object = object?;
+            let written = self.write(input, &object, &files, out);
+            input.control.check()?;
+            let record = SurfaceRecord::new(object.record(), object.surface());
+            out(Item::Row(SurfaceRecord { files: written, ..record }));
+        }
+        Ok(())
+    }
+}
+
+impl MapTask {
+    /// Writes an object's files; their names. What cannot be written is handed out, and the others are written all the
+    /// same.
+    fn write(
+        &self,
+        input: &Opened,
+        object: &InputObject,
+        files: &[PathBuf],
+        out: &mut dyn FnMut(Item<SurfaceRecord>),
+    ) -> Vec<String> {
+        let (mut written, mut errors) = (Vec::new(), Vec::new());
+        for path in files {
+            match write_map_files(object, path, &self.style, &self.ledger) {
+                Ok(paths) => written.extend(paths.iter().map(|path| path.display().to_string())),
+                // That there is no surface is said once, not for each file.
+                Err(error) if errors.contains(&error.to_string()) => {}
+                Err(error) => {
+                    errors.push(error.to_string());
+                    input.fail(object.failure(&error), out);
+                }
+            }
+        }
+        written
+    }
+}

@@ -1,0 +1,166 @@
+//! Objects to records.
+
+use super::ExplainTopology;
+use super::object::{explain_topology, to_be_explained};
+use super::reading::Watched;
+use super::{Item, Opened, Plan, Reading, Record, RunError, Task};
+use crate::inputs::open;
+use crate::measurement::{EmbeddingKind, Measured, StageSeconds};
+use crate::volume::LabelGroup;
+use crate::{Control, Event};
+use std::collections::BTreeMap;
+
+/// Measures every selected object of an input; a record an object.
+#[derive(Debug, Default)]
+pub struct MeasureTask {
+    /// What is asked.
+    pub plan: Plan,
+    /// Pictures that are drawn of the same reading.
+    #[cfg(feature = "pictures")]
+    pub pictures: Option<super::Pictures>,
+    /// Whether whoever listens is told where the time went.
+    pub timings: bool,
+}
+
+impl Task for MeasureTask {
+    type Row = Record;
+
+    fn run(&self, input: &Opened, out: &mut dyn FnMut(Item<Record>)) -> Result<(), RunError> {
+        if self.needs_all() { self.of_whole(input, out) } else { self.of_stream(input, out) }
+    }
+}
+
+impl MeasureTask {
+    /// Whether more is asked of an input than can be had while its slices go by.
+    fn needs_all(&self) -> bool {
+        let plan = &self.plan;
+        plan.measurement.embedding == EmbeddingKind::Given
+            || plan.per_component
+            || plan.explain_topology == ExplainTopology::Always
+            || self.draws()
+    }
+
+    #[cfg(feature = "pictures")]
+    fn draws(&self) -> bool {
+        self.pictures.is_some()
+    }
+
+    #[cfg(not(feature = "pictures"))]
+    fn draws(&self) -> bool {
+        false
+    }
+
+    fn of_whole(&self, input: &Opened, out: &mut dyn FnMut(Item<Record>)) -> Result<(), RunError> {
+        let reading = Reading::of(input, &self.plan)?;
+        let mut stages = StageSeconds::default();
+        let mut read = 0.0;
+        for object in reading.objects() {
+            let object = object?;
+            let record = object.record();
+            input.control.check()?;
+            stages = stages.plus(&record.measured.timings);
+            read = record.read_seconds.unwrap_or_default();
+            out(Item::Row(record));
+            #[cfg(feature = "pictures")]
+            if let Some(pictures) = &self.pictures {
+                pictures.draw(input, &object, out);
+            }
+        }
+        self.tell_timings(input, [read, 0.0], &stages);
+        Ok(())
+    }
+
+    /// Measures while slices go by, in bounded memory.
+    fn of_stream(&self, input: &Opened, out: &mut dyn FnMut(Item<Record>)) -> Result<(), RunError> {
+        let Opened { name, source, control, .. } = input;
+        let mut slabs = Watched { slabs: source.slabs()?, input: name, control };
+        let streamed = self.plan.measurement.run_slabs(&mut slabs, &self.plan.labels, |at| {
+            control.tell(&Event::Slices {
+                input: name,
+                done: at.slices,
+                of: at.of_slices,
+                labels: at.labels,
+            });
+        })?;
+        let file = crate::volume::SlabReader::file_time(&slabs).as_secs_f64();
+        let read = streamed.source_seconds + streamed.encode_seconds;
+        let (flags, truth, names) = (source.flags(), source.truth(), source.label_names());
+        let record = |(label, mut measured): (LabelGroup, Measured)| {
+            measured.flags.splice(0..0, flags.iter().cloned());
+            Record {
+                input: (*name).to_owned(),
+                name: name_of(&names, &label),
+                label: Some(label),
+                component: None,
+                truth,
+                curvature_sigma_mm: None,
+                read_seconds: Some(read),
+                seconds: measured.timings.integrals,
+                measured,
+            }
+        };
+        let mut records: Vec<Record> = streamed.results.into_iter().map(record).collect();
+        self.explain(input, &mut records)?;
+        let stages =
+            records.iter().fold(StageSeconds::default(), |sum, record| sum.plus(&record.measured.timings));
+        self.tell_timings(input, [file, read - file], &stages);
+        records.into_iter().for_each(|record| out(Item::Row(record)));
+        Ok(())
+    }
+
+    /// Where voxels, mesh and band disagree, the input is read again to see why.
+    fn explain(&self, input: &Opened, records: &mut [Record]) -> Result<(), RunError> {
+        let when = self.plan.explain_topology;
+        if !records.iter().any(|record| to_be_explained(&record.measured, when)) {
+            return Ok(());
+        }
+        let reading = Reading::of(input, &self.plan)?;
+        for (record, object) in records.iter_mut().zip(reading.objects()) {
+            explain_topology(&object?.object, &mut record.measured, when);
+        }
+        Ok(())
+    }
+
+    fn tell_timings(&self, input: &Opened, [read, decode]: [f64; 2], stages: &StageSeconds) {
+        if !self.timings {
+            return;
+        }
+        let stages = [("read", read), ("decode", decode)].into_iter().chain(stages.named());
+        let stages: Vec<String> = stages.map(|(name, seconds)| format!("{name} {seconds:.3}")).collect();
+        let text = format!("seconds: {}", stages.join(", "));
+        input.control.tell(&Event::Note { input: input.name, text: &text });
+    }
+}
+
+/// The records of one input.
+///
+/// ```
+/// use surfometry::runs::{Plan, records_of};
+/// let records = records_of("phantom:ball?radius=8", &Plan::default())?;
+/// assert_eq!(records[0].measured.euler_characteristic, Some(2.0));
+/// # Ok::<(), surfometry::runs::RunError>(())
+/// ```
+///
+/// # Errors
+/// [`RunError`].
+pub fn records_of(input: &str, plan: &Plan) -> Result<Vec<Record>, RunError> {
+    plan.check()?;
+    let (source, control) = (open(input, &plan.open)?, Control::default());
+    let input = Opened { name: input, part: None, source, control: &control };
+    let task = MeasureTask { plan: plan.clone(), ..MeasureTask::default() };
+    let mut records = Vec::new();
+    task.run(&input, &mut |item| {
+        if let Item::Row(record) = item {
+            records.push(record);
+        }
+    })?;
+    Ok(records)
+}
+
+/// The name of a label that is an object by itself.
+pub(super) fn name_of(names: &BTreeMap<i64, String>, label: &LabelGroup) -> Option<String> {
+    match label.labels() {
+        [label] => names.get(label).cloned(),
+        _ => None,
+    }
+}

@@ -1,0 +1,136 @@
+//! One object of an input, ready for whatever is asked of it.
+
+use super::{ExplainTopology, Failure, Plan, Record};
+use crate::accuracy::Flag;
+use crate::inputs::input_title;
+use crate::measurement::{Measured, Object};
+use crate::phantoms::Truth;
+use crate::surface::Surface;
+use crate::volume::LabelGroup;
+use std::sync::{Arc, OnceLock};
+
+/// What all objects of an input share.
+#[derive(Debug, Clone)]
+pub(super) struct InputFacts {
+    /// The input as named.
+    pub(super) input: String,
+    /// Whether it holds several labels, so that an object's name needs its own.
+    pub(super) many_labels: bool,
+    pub(super) flags: Vec<Flag>,
+    pub(super) read_seconds: f64,
+    pub(super) explain: ExplainTopology,
+}
+
+/// One object of an input, ready to be measured, mapped and shown. It owns what it needs.
+pub struct InputObject {
+    pub(super) facts: Arc<InputFacts>,
+    /// Label, or labels that were united; `None` for a field.
+    pub label: Option<LabelGroup>,
+    /// The label's name, where the input holds one.
+    pub name: Option<String>,
+    /// Which of the label's pieces, the largest being 1; `None` where all are one object.
+    pub component: Option<u64>,
+    /// How many labels, or unions of labels, the input's objects come from.
+    pub count: usize,
+    /// The object.
+    pub object: Object,
+    /// The same in the embedding that its surface is mapped in, where that is another one.
+    pub(super) local: Option<Object>,
+    pub(super) surface: OnceLock<Surface>,
+    pub(super) truth: Option<Truth>,
+}
+
+impl InputObject {
+    /// The input as named.
+    pub fn input(&self) -> &str {
+        &self.facts.input
+    }
+
+    /// Its name for people: the file's without its folders, and the label where the image holds several.
+    pub fn title(&self) -> String {
+        let name = input_title(self.input());
+        match &self.label {
+            Some(label) if self.facts.many_labels => format!("{name}, label {label}{}", self.piece_name()),
+            _ => name + &self.piece_name(),
+        }
+    }
+
+    fn piece_name(&self) -> String {
+        self.component.map_or_else(String::new, |piece| format!(", component {piece}"))
+    }
+
+    /// The object in the embedding in which its local curvature is measured.
+    pub fn local(&self) -> &Object {
+        self.local.as_ref().unwrap_or(&self.object)
+    }
+
+    /// Its surface, extracted when it is first asked for.
+    pub fn surface(&self) -> &Surface {
+        self.surface.get_or_init(|| self.local().surface())
+    }
+
+    /// What is said where something of it could not be had: with its label, where there are several.
+    pub fn failure(&self, error: &impl std::fmt::Display) -> Failure {
+        match &self.label {
+            Some(label) if self.count > 1 || self.component.is_some() => {
+                Failure::new(self.input(), &format!("label {label}{}: {error}", self.piece_name()))
+            }
+            _ => Failure::new(self.input(), error),
+        }
+    }
+
+    /// Measures it.
+    pub fn record(&self) -> Record {
+        let mut measured = self.object.measure();
+        explain_topology(&self.object, &mut measured, self.facts.explain);
+        measured.flags.splice(0..0, self.facts.flags.iter().cloned());
+        Record {
+            input: self.facts.input.clone(),
+            label: self.label.clone(),
+            name: self.name.clone(),
+            component: self.component,
+            truth: self.truth,
+            curvature_sigma_mm: self.local.as_ref().and_then(|local| local.parameters().sigma_mm),
+            read_seconds: Some(self.facts.read_seconds),
+            seconds: measured.timings.integrals,
+            measured,
+        }
+    }
+}
+
+/// Voxels of an object's box up to which a disagreement about its topology is looked into: the whole field is held for
+/// it, half a gigabyte.
+const MOST_EXPLAINED: usize = 1 << 27;
+
+/// Whether it is looked into where an object's topology changes.
+pub(super) fn to_be_explained(measured: &Measured, when: ExplainTopology) -> bool {
+    match when {
+        // The voxels' topology is that of the whole object, not of the part between the cuts.
+        _ if measured.clip.is_some() => false,
+        ExplainTopology::Never => false,
+        ExplainTopology::Disagreements => {
+            measured.topology_disagrees() && measured.voxels.box_voxels() <= MOST_EXPLAINED
+        }
+        ExplainTopology::Always => true,
+    }
+}
+
+/// Says where the topology changed, where that is wanted.
+pub(super) fn explain_topology(object: &Object, measured: &mut Measured, when: ExplainTopology) {
+    let wanted = to_be_explained(measured, when);
+    if let Some(explanation) = wanted.then(|| object.explain_topology()).flatten() {
+        measured.explain(explanation);
+    }
+}
+
+impl InputFacts {
+    pub(super) fn new(input: &super::Opened, plan: &Plan, many_labels: bool, read_seconds: f64) -> Self {
+        Self {
+            input: input.name.to_owned(),
+            many_labels,
+            flags: input.source.flags(),
+            read_seconds,
+            explain: plan.explain_topology,
+        }
+    }
+}

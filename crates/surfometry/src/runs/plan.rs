@@ -1,0 +1,68 @@
+//! What is asked of every input of a run.
+
+use crate::inputs::OpenOptions;
+use crate::measurement::{CurvatureScale, EmbeddingKind, MeasureError, Measurement};
+use crate::volume::LabelSelection;
+
+/// What is asked of every input of a run.
+///
+/// ```
+/// use surfometry::{Measurement, runs::Plan, measurement::EmbeddingKind};
+/// let given = Measurement::default().embedding(EmbeddingKind::Given);
+/// let plan = Plan { measurement: given, per_component: true, ..Plan::default() };
+/// assert!(plan.check().is_err());
+/// ```
+#[derive(Debug, Clone, Default)]
+pub struct Plan {
+    /// How objects are measured.
+    pub measurement: Measurement,
+    /// What the caller knows better than the input.
+    pub open: OpenOptions,
+    /// Which labels.
+    pub labels: LabelSelection,
+    /// At which blur surfaces are mapped; of no meaning to integrals.
+    pub curvature: CurvatureScale,
+    /// Whether each 26-connected piece is an object of its own.
+    pub per_component: bool,
+    /// When it is said where the blur and the band change topology.
+    pub explain_topology: ExplainTopology,
+}
+
+/// When it is looked into where the blur and the band change an object's topology.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum ExplainTopology {
+    /// Never.
+    Never,
+    /// Where voxels, mesh and band disagree, unless the object is very large (2^27 voxels in its box).
+    #[default]
+    Disagreements,
+    /// Always.
+    Always,
+}
+
+impl Plan {
+    /// Refuses what contradicts itself, whatever the input.
+    ///
+    /// # Errors
+    /// [`MeasureError`].
+    pub fn check(&self) -> Result<(), MeasureError> {
+        self.measurement.check()?;
+        let conflict = |text| Err(MeasureError::Conflict(text));
+        let mapped_apart = self.curvature != CurvatureScale::AsMeasured;
+        match self.measurement.embedding {
+            EmbeddingKind::Given if mapped_apart => {
+                conflict("a field has no blur of its own, so it has no scale of curvature: leave that out")
+            }
+            EmbeddingKind::Given if self.per_component => {
+                conflict("a field has no labels whose pieces could be told apart: measure it as one object")
+            }
+            EmbeddingKind::Given if self.labels != LabelSelection::All => {
+                conflict("a field has no labels: leave the choice of labels out")
+            }
+            kind if mapped_apart && !kind.is_blur() => conflict(
+                "a scale for curvature belongs to the Gaussian and corrected embeddings: leave it out",
+            ),
+            _ => Ok(()),
+        }
+    }
+}

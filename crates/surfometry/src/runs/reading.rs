@@ -1,0 +1,191 @@
+//! An input that was read as a whole: one reading serves all that is asked of it.
+
+use super::measure::name_of;
+use super::object::InputFacts;
+use super::{InputObject, Opened, Plan, RunError};
+use crate::inputs::{InputError, Source};
+use crate::measurement::{CurvatureScale, EmbeddingKind, MeasureError};
+use crate::phantoms::Truth;
+use crate::topology::{ComponentLabels, Connectivity};
+use crate::volume::{FieldImage, LabelGroup, LabelImage, Mask, Slab, SlabReader};
+use crate::{Control, Event, Stopped};
+use std::collections::BTreeMap;
+use std::sync::{Arc, OnceLock};
+use std::time::{Duration, Instant};
+
+/// An input that was read as a whole.
+pub struct Reading<'a> {
+    plan: &'a Plan,
+    control: &'a Control,
+    facts: Arc<InputFacts>,
+    content: Content,
+}
+
+enum Content {
+    Labels { image: LabelImage, groups: Vec<LabelGroup>, names: BTreeMap<i64, String>, truth: Option<Truth> },
+    Field(Arc<FieldImage>),
+}
+
+impl<'a> Reading<'a> {
+    /// Reads an input: labels, or, for a given embedding, a field.
+    ///
+    /// # Errors
+    /// [`RunError`], also for labels that do not occur.
+    pub fn of(input: &Opened<'a>, plan: &'a Plan) -> Result<Self, RunError> {
+        let start = Instant::now();
+        let source = &*input.source;
+        let mut slabs = Watched { slabs: source.slabs()?, input: input.name, control: input.control };
+        let (content, many_labels) = if plan.measurement.embedding == EmbeddingKind::Given {
+            (Content::Field(field(source, &mut slabs)?), false)
+        } else {
+            let image = LabelImage::from_slabs(&mut slabs)?;
+            let groups = plan.labels.resolve(&image).map_err(MeasureError::from)?;
+            let many_labels = image.summaries().len() > 1;
+            let (names, truth) = (source.label_names(), source.truth());
+            (Content::Labels { image, groups, names, truth }, many_labels)
+        };
+        let facts = Arc::new(InputFacts::new(input, plan, many_labels, start.elapsed().as_secs_f64()));
+        Ok(Self { plan, control: input.control, facts, content })
+    }
+
+    /// The selected objects, one after the other in order of label.
+    pub fn objects(&self) -> impl Iterator<Item = Result<InputObject, RunError>> + '_ {
+        self.objects_of(self.plan)
+    }
+
+    /// The same objects by another plan.
+    pub(super) fn objects_of<'s>(
+        &'s self,
+        plan: &'s Plan,
+    ) -> impl Iterator<Item = Result<InputObject, RunError>> + 's {
+        let count = self.count();
+        let tell = move |number: usize| {
+            let input = &self.facts.input;
+            self.control.tell(&Event::Object { input, number: number + 1, of: count });
+            self.control.check().map_err(RunError::from)
+        };
+        (0..count).flat_map(move |number| match tell(number) {
+            Err(error) => vec![Err(error)],
+            Ok(()) => self.objects_at(number, plan),
+        })
+    }
+
+    /// How many labels, or unions of labels, were selected.
+    pub fn count(&self) -> usize {
+        match &self.content {
+            Content::Labels { groups, .. } => groups.len(),
+            Content::Field(_) => 1,
+        }
+    }
+
+    fn objects_at(&self, number: usize, plan: &Plan) -> Vec<Result<InputObject, RunError>> {
+        match &self.content {
+            Content::Field(field) => vec![self.of_field(field, plan)],
+            Content::Labels { image, groups, names, truth } => {
+                let label = &groups[number];
+                let whole = image.group_mask(label);
+                let pieces = if plan.per_component {
+                    ComponentLabels::of(&whole, Connectivity::Foreground26).masks(&whole)
+                } else {
+                    vec![whole]
+                };
+                let truth = truth.filter(|_| pieces.len() == 1);
+                let name = name_of(names, label);
+                let object = |(piece, mask): (u64, Mask)| {
+                    let component = plan.per_component.then_some(piece);
+                    self.of_mask(mask, plan).map(|object| InputObject {
+                        label: Some(label.clone()),
+                        name: name.clone(),
+                        component,
+                        truth,
+                        ..object
+                    })
+                };
+                (1..).zip(pieces).map(object).collect()
+            }
+        }
+    }
+
+    fn of_mask(&self, mask: Mask, plan: &Plan) -> Result<InputObject, RunError> {
+        let mask = Arc::new(mask);
+        let local = match plan.curvature {
+            CurvatureScale::AsMeasured => None,
+            scale => Some(plan.measurement.for_local_curvature(&mask, scale)?.prepare(&mask)?),
+        };
+        let object = plan.measurement.prepare(mask)?;
+        Ok(InputObject { local, ..self.bare(object) })
+    }
+
+    fn of_field(&self, field: &Arc<FieldImage>, plan: &Plan) -> Result<InputObject, RunError> {
+        Ok(self.bare(plan.measurement.prepare_field(field)?))
+    }
+
+    fn bare(&self, object: crate::measurement::Object) -> InputObject {
+        InputObject {
+            facts: Arc::clone(&self.facts),
+            label: None,
+            name: None,
+            component: None,
+            count: self.count(),
+            object,
+            local: None,
+            surface: OnceLock::new(),
+            truth: None,
+        }
+    }
+}
+
+fn field(
+    source: &dyn Source,
+    slabs: &mut impl SlabReader<Error = InputError>,
+) -> Result<Arc<FieldImage>, RunError> {
+    if source.is_object() {
+        return Err(RunError::Unfit(
+            "these voxels are an object; a given embedding wants a file that holds a field",
+        ));
+    }
+    Ok(Arc::new(FieldImage::from_slabs(slabs)?))
+}
+
+/// The voxels of each selected object of an input that is read as a whole, one after the other.
+pub(super) fn labelled_masks(
+    input: &Opened,
+    plan: &Plan,
+) -> Result<impl Iterator<Item = (LabelGroup, Mask)>, RunError> {
+    let mut slabs = Watched { slabs: input.source.slabs()?, input: input.name, control: input.control };
+    let image = LabelImage::from_slabs(&mut slabs)?;
+    let groups = plan.labels.resolve(&image).map_err(MeasureError::from)?;
+    Ok(groups.into_iter().map(move |label| {
+        let mask = image.group_mask(&label);
+        (label, mask)
+    }))
+}
+
+/// Slabs of an input: whoever listens hears of each, and may stop the run after it.
+pub(super) struct Watched<'a, R> {
+    pub(super) slabs: R,
+    pub(super) input: &'a str,
+    pub(super) control: &'a Control,
+}
+
+impl<R: SlabReader<Error = InputError>> SlabReader for Watched<'_, R> {
+    type Error = InputError;
+
+    fn grid(&self) -> &crate::volume::Grid {
+        self.slabs.grid()
+    }
+
+    fn next_slab(&mut self) -> Result<Option<Slab>, InputError> {
+        self.control.check().map_err(|Stopped| InputError::Stopped(Stopped))?;
+        let slab = self.slabs.next_slab()?;
+        if let Some(slab) = &slab {
+            let (done, of) = (slab.slices.end, self.slabs.grid().dimensions()[2]);
+            self.control.tell(&Event::Slices { input: self.input, done, of, labels: 0 });
+        }
+        Ok(slab)
+    }
+
+    fn file_time(&self) -> Duration {
+        self.slabs.file_time()
+    }
+}
