@@ -2,6 +2,7 @@
 
 mod commands;
 mod console;
+mod cures;
 mod inputs;
 mod options;
 mod output;

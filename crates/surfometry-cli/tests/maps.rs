@@ -105,7 +105,7 @@ fn objects_have_files_of_their_own() {
     assert_eq!(files_in(folder.path()), names(&expected));
     let said = text(&done.stderr);
     assert!(
-        said.contains("three.nrrd: label 7: nothing is left") && said.contains("smaller --sigma"),
+        said.contains("three.nrrd: label 7: nothing is left") && said.contains("smaller sigma"),
         "{said}"
     );
     let document: Value =

@@ -50,8 +50,8 @@ fn run(measurement: &Measurement, grid: Grid, voxels: &[u8], what: &str) -> (f64
     let object = measurement.prepare(&mask).expect("an object");
     let (seconds, found) = match what {
         "integrals" => {
-            let (plain, compensated) = object.integrals();
-            (start.elapsed(), json!({"plain": plain, "compensated": compensated.values}))
+            let [plain, original] = object.integrals();
+            (start.elapsed(), json!({"plain": plain, "original": original}))
         }
         "measure" => {
             let m = object.measure();

@@ -4,7 +4,7 @@ mod common;
 
 use common::{measure, phantom, poses, rms};
 use surfometry::Measurement;
-use surfometry::measurement::{CompensatedValues, CurvatureScale, Derivatives, EmbeddingKind};
+use surfometry::measurement::{CurvatureScale, Derivatives, EmbeddingKind, SurfaceValues};
 use surfometry::phantoms::{Ball, Capsule, Ellipsoid, Phantom, Pose, Torus};
 use surfometry::validation::{CaseResult, Summary, Validation, summarise};
 
@@ -217,10 +217,10 @@ fn other_grids_agree_within_the_error_bars() {
             _ => phantom(Capsule { radius: 14.0, length: 30.0 }, pose, spacing),
         };
         for shape in 0..3 {
-            let measured = grids.map(|spacing| measure(&on(shape, spacing), &Measurement::default()).values);
+            let measured = grids.map(|spacing| measure(&on(shape, spacing), &Measurement::default()));
             for (n, a) in measured.iter().enumerate() {
                 for b in &measured[n + 1..] {
-                    let pairs = |v: &CompensatedValues| {
+                    let pairs = |v: &SurfaceValues| {
                         [v.volume_mm3, v.surface_area_mm2, v.total_mean_curvature_mm].map(Option::unwrap)
                     };
                     let values = pairs(&a.values).into_iter().zip(pairs(&b.values));

@@ -1,6 +1,7 @@
 //! `surfometry info`.
 
 use crate::console::{Voice, control};
+use crate::cures::cure;
 use crate::inputs::expand;
 use crate::options::spacing;
 use crate::output::{deliver, description_text, json_text, status};
@@ -33,7 +34,7 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
     let open = OpenOptions { spacing: args.spacing.map(|s| s.mm()) };
     let control = control(inputs.len(), Voice { quiet, memory: false });
     let mut documents = Documents::default();
-    let outcome = Batch { inputs: &inputs, open, control: &control }.run(&InfoTask, &mut documents)?;
+    let outcome = Batch { inputs: &inputs, open, control: &control, cure }.run(&InfoTask, &mut documents)?;
     let documents = documents.0;
     let text =
         if args.json { json_text(&documents)? } else { documents.iter().map(description_text).collect() };

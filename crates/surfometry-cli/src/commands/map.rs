@@ -1,6 +1,7 @@
 //! `surfometry map`.
 
 use crate::console::{Voice, control};
+use crate::cures::cure;
 use crate::inputs::expand;
 use crate::options::{CurvatureOptions, MeasureOptions};
 use crate::output::{check_output, deliver, flags_text, map_document, say, status};
@@ -47,7 +48,7 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
     let [documents, files] = targets(args.output.iter().chain(&args.png), &inputs)?;
     let style = MapStyle { voxels: distinct(&args.voxels), ..args.pictures.map_style() };
     let control = control(inputs.len(), Voice { quiet, memory: false });
-    let batch = Batch { inputs: &inputs, open: plan.open, control: &control };
+    let batch = Batch { inputs: &inputs, open: plan.open, control: &control, cure };
     let ledger = FileLedger::new(&inputs);
     let mut found = Collected::default();
     let outcome = batch.run(&MapTask { plan, files, style, ledger }, &mut found)?;

@@ -1,6 +1,7 @@
 //! `surfometry measure`.
 
 use crate::console::{Voice, control};
+use crate::cures::cure;
 use crate::inputs::expand;
 use crate::options::{MeasureOptions, OutputOptions};
 use crate::output::{check_output, record_tables, say, write_results};
@@ -66,7 +67,7 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
     let open = plan.open;
     let task = MeasureTask { plan, pictures, timings: args.timings };
     let control = control(inputs.len(), Voice { quiet, memory: args.verbose });
-    let batch = Batch { inputs: &inputs, open, control: &control };
+    let batch = Batch { inputs: &inputs, open, control: &control, cure };
     write_results(&args.results, record_tables(args.explain), |sink| {
         let mut sigmas = SigmaRange::new(sink);
         let outcome = batch.run(&task, &mut sigmas)?;

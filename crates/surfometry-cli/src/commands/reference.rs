@@ -1,6 +1,7 @@
 //! `surfometry reference`.
 
 use crate::console::{Voice, control};
+use crate::cures::cure;
 use crate::inputs::expand;
 use crate::options::{InputSelection, OutputOptions};
 use crate::output::{Layout, TableStyle, check_output, digits, write_results};
@@ -34,7 +35,7 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
     let methods: Vec<&dyn ReferenceMethod> = METHODS.iter().filter(chosen).copied().collect();
     let plan = args.selection.plan();
     let control = control(inputs.len(), Voice { quiet, memory: false });
-    let batch = Batch { inputs: &inputs, open: plan.open, control: &control };
+    let batch = Batch { inputs: &inputs, open: plan.open, control: &control, cure };
     let task = ReferenceTask { plan, methods };
     let style = TableStyle { of_input: Box::new(table), legend: None };
     write_results(&args.results, style, |sink| batch.run(&task, sink))

@@ -2,6 +2,7 @@
 
 use super::SOME_FAILED;
 use crate::console::{Voice, control};
+use crate::cures::cure;
 use crate::inputs::expand;
 use crate::options::{CurvatureOptions, MeasureOptions};
 use crate::output::{check_output, deliver, say, status};
@@ -37,7 +38,7 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
     let inputs = expand(&args.inputs);
     check_output(Some(&args.output), &inputs)?;
     let control = control(inputs.len(), Voice { quiet, memory: false });
-    let batch = Batch { inputs: &inputs, open: plan.open, control: &control };
+    let batch = Batch { inputs: &inputs, open: plan.open, control: &control, cure };
     let mut parts = Collected::default();
     let outcome = batch.run(&ReportTask::new(plan), &mut parts)?;
     let (mut objects, mut sources) = (Vec::new(), Vec::new());

@@ -1,6 +1,7 @@
 //! `surfometry sweep`.
 
 use crate::console::{Voice, control};
+use crate::cures::cure;
 use crate::inputs::expand;
 use crate::options::{MeasureOptions, OutputOptions, Range};
 use crate::output::{check_output, sweep_tables, write_results};
@@ -64,7 +65,7 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
         check_output(path.as_deref(), &inputs)?;
     }
     let control = control(inputs.len(), Voice { quiet, memory: false });
-    let batch = Batch { inputs: &inputs, open: plan.open, control: &control };
+    let batch = Batch { inputs: &inputs, open: plan.open, control: &control, cure };
     let chart = args.chart.clone();
     let surfaces = args.surfaces.clone();
     let task = SweepTask {

@@ -174,9 +174,9 @@ fn grid_flags(e: &Evidence) -> Vec<Flag> {
         let cure = match e.sigma {
             // A band of 4.5 sigma reaches the flat ends of the blurred edge.
             Some(sigma) if sampled > 4.45 * sigma => {
-                format!("--sigma {largest:.3} or more, and --thickness auto")
+                format!("sigma {largest:.3} mm or more, and an automatic thickness")
             }
-            _ => format!("--thickness {sampled:.4}"),
+            _ => format!("a thickness of {sampled:.4} mm"),
         };
         let message = format!(
             "the band is {:.4} mm thick, less than 2.5 x the largest spacing: the delta is undersampled, area and chi are \
@@ -197,30 +197,30 @@ fn grid_flags(e: &Evidence) -> Vec<Flag> {
 fn band_flags(e: &Evidence) -> Vec<Flag> {
     if e.plain.is_none() && e.boundary_curvature.is_some() && e.voxel_volume == 0.0 {
         let message = "no voxel of the object lies 3 sigma away from the faces that cut it, so there is nothing to measure between them; use \
-                       --clip cap, or a smaller --sigma";
+                       a flat cap, or a smaller sigma";
         return vec![Flag::new(FlagCode::NothingBetweenCuts, message)];
     }
     if e.plain.is_none() {
         let message = "nothing is left inside the level set at this sigma and level, so the integrals are null; use a smaller \
-                       --sigma";
+                       sigma";
         return vec![Flag::new(FlagCode::SurfaceVanished, message)];
     }
     let Some(plain) = e.with_surface() else {
         let message = "no voxel with a normal lies in the band, so the surface integrals are null: band or blur are too thin \
-                       for this grid; use a larger --sigma, and --thickness auto";
+                       for this grid; use a larger sigma, and an automatic thickness";
         return vec![Flag::new(FlagCode::EmptyBand, message)];
     };
     let mut flags = Vec::new();
     if e.epsilon >= SATURATED_SHARE * e.saturation {
         let message =
-            "the band reaches where the blurred edge is flat; use a smaller --thickness or a larger --sigma";
+            "the band reaches where the blurred edge is flat; use a smaller thickness or a larger sigma";
         flags.push(Flag::new(FlagCode::ThicknessAboveBlur, message));
     }
     let mean_thickness = 2.0 * plain.volume.min(e.voxel_volume) / plain.surface.area;
     if e.thickness > mean_thickness {
         let message = format!(
             "the band is {:.4} mm thick, more than the object's mean thickness 2 V / A = {mean_thickness:.4} mm: volume and \
-             area average over it; use a smaller --thickness or a finer image",
+             area average over it; use a smaller thickness or a finer image",
             e.thickness
         );
         flags.push(Flag::new(FlagCode::ThicknessAboveObject, message));
@@ -229,7 +229,7 @@ fn band_flags(e: &Evidence) -> Vec<Flag> {
     if e.corrected && e.sigma.is_some_and(|sigma| e.thickness > CORRECTED_THICKNESS * sigma) {
         let message = format!(
             "the band is {:.4} mm thick, more than 1.6 sigma, where the corrected field is no longer steep: its integrals are biased; use \
-             --embedding gaussian, whose original object's numbers have no such limit, or a larger --sigma",
+             the Gaussian embedding, whose numbers have no such limit, or a larger sigma",
             e.thickness
         );
         flags.push(Flag::new(FlagCode::CorrectedBand, message));
@@ -264,7 +264,7 @@ fn mesh_flag(e: &Evidence, plain: &Integrals) -> Option<Flag> {
     let differs = area.abs() > MESH_TOLERANCE || volume.abs() > 2.0 * MESH_TOLERANCE;
     let message = format!(
         "the band gives {:+.1} % in area and {:+.1} % in volume against the surface as a mesh ({:.6} mm2, {inside:.6} mm3): parts \
-         are thin or tightly curved against the band; use a smaller --sigma, or a finer image",
+         are thin or tightly curved against the band; use a smaller sigma, or a finer image",
         100.0 * area,
         100.0 * volume,
         mesh.area
@@ -283,7 +283,7 @@ fn topology_flags(e: &Evidence) -> Vec<Flag> {
     if e.distance {
         let message = format!(
             "distances between voxels are quantised, so curvature from them is noise and the Euler characteristic \
-             {chi:.1} meaningless (the voxels' is {voxels}{mesh}); use --embedding gaussian"
+             {chi:.1} meaningless (the voxels' is {voxels}{mesh}); use the Gaussian embedding"
         );
         return vec![Flag::new(FlagCode::DistanceQuantised, message)];
     }
@@ -336,13 +336,13 @@ fn shape_flags(e: &Evidence) -> Vec<Flag> {
     if thickness < least {
         let message = format!(
             "the mean thickness 2 V / A = {thickness:.3} mm is below 3 sigma = {least:.3} mm: compensation is incomplete and \
-             thin parts may be gone; use a smaller --sigma"
+             thin parts may be gone; use a smaller sigma"
         );
         flags.push(Flag::new(FlagCode::ThinForSigma, message));
     } else if off.abs() > VOLUME_TOLERANCE {
         let message = format!(
             "the original's volume is {:+.1} % off the voxels': parts thinner than about 3 sigma = {least:.3} mm are \
-             affected; use a smaller --sigma",
+             affected; use a smaller sigma",
             100.0 * off
         );
         flags.push(Flag::new(FlagCode::ThinForSigma, message));
@@ -351,7 +351,7 @@ fn shape_flags(e: &Evidence) -> Vec<Flag> {
     if e.compensation_failed() {
         let message = format!(
             "the blur took {:.0} % of the volume away and the original's volume would be {:+.0} % off the voxels', so the original's numbers are \
-             null: sigma is too large for this object, and what is gone cannot be brought back; use a smaller --sigma",
+             null: sigma is too large for this object, and what is gone cannot be brought back; use a smaller sigma",
             100.0 * (1.0 - plain.volume / e.voxel_volume),
             100.0 * off
         );
@@ -378,14 +378,14 @@ fn narrow_flags(e: &Evidence, sigma: f64, so_far: &[Flag]) -> Vec<Flag> {
     };
     let thin = part.filter(|_| !told).map(|place| {
         let message = format!(
-            "parts are {}: the blur thins or removes them and compensation is incomplete there; use a smaller --sigma",
+            "parts are {}: the blur thins or removes them and compensation is incomplete there; use a smaller sigma",
             about(place)
         );
         Flag::new(FlagCode::ThinForSigma, message)
     });
     let narrow = gap.map(|place| {
         let message = format!(
-            "gaps are {}: the blur fills them in part and compensation is incomplete there; use a smaller --sigma",
+            "gaps are {}: the blur fills them in part and compensation is incomplete there; use a smaller sigma",
             about(place)
         );
         Flag::new(FlagCode::NarrowGap, message)

@@ -71,7 +71,7 @@ pub enum TableError {
         source: csv::Error,
     },
     /// No column names the objects.
-    #[error("{path}: there is no column `input` that names the objects; `measure --format csv` writes such tables", path = path.display())]
+    #[error("{path}: there is no column `input` that names the objects, as in the tables that `measure` writes as CSV", path = path.display())]
     Unnamed {
         /// The file.
         path: PathBuf,
@@ -117,7 +117,7 @@ pub enum TableError {
         example: String,
     },
     /// Neither has what could be compared.
-    #[error("{method} and {standard} share none of the columns that are compared by default; name one with --column", method = method.display(), standard = standard.display())]
+    #[error("{method} and {standard} share none of the columns that are compared by default; name one", method = method.display(), standard = standard.display())]
     NoMeasure {
         /// A file.
         method: PathBuf,

@@ -98,7 +98,7 @@ fn scalar(name: &str) -> Result<ScalarType, ReadError> {
 fn unit(keys: &Keys) -> Result<f64, ReadError> {
     let name = keys.text("DistanceUnits").unwrap_or("mm");
     mm_per(name).ok_or_else(|| {
-        error(format!("DistanceUnits = {name} is not known; take the line out and give --spacing"))
+        error(format!("DistanceUnits = {name} is not known; take the line out, or say what the spacing is"))
     })
 }
 

@@ -93,7 +93,7 @@ pub enum MeasureError {
     /// The band would weigh all of space.
     #[error(
         "the band is too wide: epsilon is {epsilon:.4}, but at level {level} the blurred field is flat from \
-         {saturation:.4} on; choose a smaller --thickness (or --epsilon), a larger --sigma or a --level nearer 0.5"
+         {saturation:.4} on; choose a smaller thickness or epsilon, a larger sigma or a level nearer 0.5"
     )]
     BandTooWide {
         /// T.
@@ -106,7 +106,7 @@ pub enum MeasureError {
     /// A blur or band so wide, in voxels, that its neighbourhood does not fit in memory.
     #[error(
         "{name} {value} mm is {voxels:.0} voxels of {spacing} mm, more than the {most:.0} that can be handled: choose a \
-         smaller --{name}, or check the spacing"
+         smaller {name}, or check the spacing"
     )]
     TooWide {
         /// Parameter.
@@ -130,13 +130,13 @@ pub enum MeasureError {
     },
     /// A field without a gradient at its zero level.
     #[error(
-        "the field has no slope where it changes sign, so a thickness has no meaning; give --epsilon in the field's units"
+        "the field has no slope where it changes sign, so a thickness has no meaning; give epsilon in the field's units"
     )]
     FlatField,
     /// A band that a given field does not leave.
     #[error(
         "the band is too wide: epsilon is {epsilon:.4}, but the field is nowhere above {highest:.4}, so that all of the background \
-         would count; choose a smaller --thickness or --epsilon"
+         would count; choose a smaller thickness or epsilon"
     )]
     BandAboveField {
         /// eps.

@@ -13,7 +13,7 @@ use std::io;
 /// use surfometry::{Control, runs::{Batch, Collected, MeasureTask}};
 /// let inputs = ["phantom:ball?radius=6".to_owned(), "phantom:ball?radius=7".to_owned()];
 /// let (control, mut found) = (Control::default(), Collected::default());
-/// let batch = Batch { inputs: &inputs, open: Default::default(), control: &control };
+/// let batch = Batch { inputs: &inputs, open: Default::default(), control: &control, cure: |_| None };
 /// batch.run(&MeasureTask::default(), &mut found)?;
 /// assert_eq!((found.results.len(), found.failures.len()), (2, 0));
 /// # Ok::<(), std::io::Error>(())
@@ -26,6 +26,8 @@ pub struct Batch<'a> {
     pub open: OpenOptions,
     /// Who hears of the run's progress and may stop it.
     pub control: &'a Control,
+    /// The front end's own words for the cure of an error, where it has any: how an option is called.
+    pub cure: fn(&RunError) -> Option<&'static str>,
 }
 
 /// What is done with every input.
@@ -234,7 +236,10 @@ impl Batch<'_> {
 
     /// The failure of an input, of which whoever listens is told at once.
     fn failed(&self, input: &str, error: &RunError) -> Failure {
-        let failure = Failure::new(input, error);
+        let failure = match (self.cure)(error) {
+            Some(cure) => Failure::new(input, &format!("{error} ({cure})")),
+            None => Failure::new(input, error),
+        };
         self.control.tell(&Event::Failed { input, error: &failure.error });
         failure
     }

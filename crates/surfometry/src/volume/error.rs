@@ -8,7 +8,7 @@ use thiserror::Error;
 pub enum VolumeError {
     /// A spacing is zero, negative, infinite or not a number.
     #[error(
-        "the voxel spacing along axis {axis} is {value} mm; it must be positive and finite: give it with --spacing X,Y,Z"
+        "the voxel spacing along axis {axis} is {value} mm; it must be positive and finite: say what it is"
     )]
     InvalidSpacing {
         /// Axis 0, 1 or 2; 0 is the fastest in memory.
@@ -17,11 +17,11 @@ pub enum VolumeError {
         value: f64,
     },
     /// The file names no spacing at all.
-    #[error("the file holds no voxel spacing; give it with --spacing X,Y,Z (mm, fastest axis first)")]
+    #[error("the file holds no voxel spacing: say what it is, in mm, fastest axis first")]
     MissingSpacing,
     /// The index-to-world affine has an entry that is not finite.
     #[error(
-        "the index-to-world affine holds a value that is not finite; repair the header or give --spacing X,Y,Z"
+        "the index-to-world affine holds a value that is not finite; repair the header, or say what the spacing is"
     )]
     NonFiniteAffine,
     /// Two image axes are not perpendicular in the world.
@@ -73,7 +73,7 @@ pub enum VolumeError {
     /// A voxel of a label image is not a whole number.
     #[error(
         "voxel {index:?} is {value}, not a whole number, so this is no label image; threshold it first, or, if it is a \
-         level-set field (negative inside), use --embedding given"
+         level-set field (negative inside), measure it as a given field"
     )]
     Fractional {
         /// Image index, x first.
@@ -107,7 +107,7 @@ pub enum VolumeError {
     )]
     NothingInside,
     /// A label that was asked for does not occur.
-    #[error("no label {missing} in the image; it holds {present}: choose with --label")]
+    #[error("no label {missing} in the image; it holds {present}")]
     NoSuchLabel {
         /// What was asked for.
         missing: i64,
