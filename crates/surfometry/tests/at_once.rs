@@ -40,7 +40,7 @@ fn blurs_that_leave_nothing() {
         let all = LabelSelection::All;
         let streamed = at_once(|| measurement.run_slabs(&mut phantom.slabs(), &all, |_: Progress| {}));
         vanished(&streamed.unwrap().results[0].1);
-        vanished(&at_once(|| measurement.run(&ball(300, [1.0; 3]))).unwrap());
+        vanished(&at_once(|| measurement.run(ball(300, [1.0; 3]))).unwrap());
     }
 }
 
@@ -60,7 +60,7 @@ fn few_voxels_in_a_large_box() {
 fn nothing_is_left_that_was_there() {
     for (sigma, left) in [(6.2, true), (6.8, false)] {
         let measurement = Measurement::default().sigma_mm(sigma).thickness_mm(1.0);
-        let measured = measurement.run(&ball(40, [1.0; 3])).unwrap();
+        let measured = measurement.run(ball(40, [1.0; 3])).unwrap();
         assert_eq!(measured.volume_mm3.is_some(), left, "sigma {sigma}");
     }
 }
