@@ -294,15 +294,6 @@ fn several_gzip_members_are_read_as_one() {
     }
 }
 
-/// Padding behind the last gzip member is no damage.
-#[test]
-fn padding_after_gzip_is_ignored() {
-    let folder = tempfile::tempdir().unwrap();
-    let mut padded = gzip(&nifti(CUBE, 2, &pseudo_random()));
-    padded.extend([0; 100]);
-    read_labels(write(folder.path(), "a.nii.gz", padded)).unwrap();
-}
-
 /// Units other than mm, and a named but empty sform.
 #[test]
 fn units_and_forms() {

@@ -165,6 +165,46 @@ fn characteristics_are_even() {
     assert!((whole.accuracy() - 0.4).abs() < 1e-12);
 }
 
+/// Classes by the thousand: the frequent ones are listed, the rest is counted.
+#[test]
+fn rare_characteristics_are_counted() {
+    // 0 by both in 40 pairs, 1 to 3000 once each by both, and by the method alone 4000 in two pairs.
+    let mut pairs = vec![(0.0, 0.0); 40];
+    pairs.extend((1..=3000).map(|n| (2.0 * f64::from(n), 2.0 * f64::from(n))));
+    pairs.extend([(8000.0, 0.0); 2]);
+    let matrix = ConfusionMatrix::new(&pairs, EulerRounding::Even);
+    assert_eq!((matrix.classes.len(), matrix.counts.len()), (50, 50));
+    // Of the equally frequent ones the least, and among them 8000, twice by the method as 2 is once by both.
+    assert_eq!(matrix.classes[..3], [0, 2, 4]);
+    assert_eq!(*matrix.classes.last().unwrap(), 98);
+    assert_eq!((matrix.counts[0][0], matrix.counts[1][1]), (40, 1));
+    let rare = matrix.rare.unwrap();
+    assert_eq!((rare.classes, rare.pairs, rare.same), (2952, 2953, 2951));
+    assert_eq!(matrix.accuracy(), 3040.0 / 3042.0);
+    let few = ConfusionMatrix::new(&pairs[..89], EulerRounding::Even);
+    assert_eq!((few.classes.len(), few.rare), (50, None));
+}
+
+/// A million pairs of a known law: y = 1.01 x + noise of deviation 3, x uniform on 0 to 1000.
+#[test]
+fn a_million_pairs() {
+    let place = |n: u32, step: f64| (f64::from(n) * step).fract();
+    let standard: Vec<f64> = (0..1_000_000).map(|n| 1000.0 * place(n, 0.618_033_988_749_895)).collect();
+    let noise = |n: u32| 3.0 * 12f64.sqrt() * (place(n, std::f64::consts::SQRT_2) - 0.5);
+    let method = standard.iter().zip(0..).map(|(s, n)| 1.01 * s + noise(n)).collect();
+    let result = Agreement::of(&Paired::new(method, standard).unwrap(), Bootstrap::default());
+    close(result.regression.slope.value, 1.01, 1e-4);
+    close(result.bland_altman.bias.value, 5.0, 0.01);
+    // Consistency is 2 cov / (both variances): 2.02 / (1 + 1.0201 + 9 / 83,333).
+    let consistency = result.intraclass.consistency;
+    close(consistency.value, 2.02 / (2.0201 + 9.0 / 83_333.33), 1e-5);
+    let [low, high] = consistency.interval;
+    assert!(low < consistency.value && consistency.value < high && high - low < 1e-5, "{low} {high}");
+    let [low, high] = result.intraclass.agreement.interval;
+    assert!(low < result.intraclass.agreement.value && result.intraclass.agreement.value < high);
+    assert!(result.bootstrapped_bias.is_none(), "of so many none is drawn");
+}
+
 #[test]
 fn what_cannot_be_compared() {
     assert_eq!(Paired::new(vec![1.0], vec![]).unwrap_err(), PairError::Unpaired { method: 1, standard: 0 });

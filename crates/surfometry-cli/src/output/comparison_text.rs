@@ -2,7 +2,7 @@
 
 use super::{Layout, digits};
 use surfometry::comparison::{Comparison, EulerAgreement};
-use surfometry::statistics::{Agreement, ConfusionMatrix, Estimate};
+use surfometry::statistics::{Agreement, ConfusionMatrix, Estimate, RareClasses};
 
 pub(crate) fn comparison_text(comparison: &Comparison) -> String {
     let Comparison { method, standard, matched, .. } = comparison;
@@ -73,7 +73,7 @@ fn euler_text(euler: &EulerAgreement) -> String {
     format!("\n{}\n{}", column(&euler.column, &euler.standard_column), matrices.concat())
 }
 
-/// Rows are the standard's classes, columns the method's.
+/// Rows are the standard's classes, columns the method's; what is left out has a line below.
 fn confusion_text(matrix: &ConfusionMatrix) -> String {
     let classes: Vec<String> = matrix.classes.iter().map(ToString::to_string).collect();
     let mut columns = vec!["standard \\ method"];
@@ -84,5 +84,12 @@ fn confusion_text(matrix: &ConfusionMatrix) -> String {
         row.extend(counts.iter().map(ToString::to_string));
         layout.row(row);
     }
-    layout.text()
+    layout.text() + &matrix.rare.as_ref().map_or_else(String::new, rare_text)
+}
+
+fn rare_text(rare: &RareClasses) -> String {
+    format!(
+        "  {} rarer classes are not shown: {} objects are in one by either, {} in the same one by both\n",
+        rare.classes, rare.pairs, rare.same
+    )
 }

@@ -20,6 +20,8 @@ pub struct Terraces {
 
 /// Frequencies, in units of the inverse thickness, above which a band's delta is not seen to be sampled.
 const HIGHEST: f64 = 8.0;
+/// Thinnest band, in units of the largest spacing, of which all such frequencies are summed: their number grows with its square or cube.
+const THINNEST: f64 = 0.05;
 /// Mean over a wave's phase y, integrated over tau from 0, of cos(2 pi m Y), where Y = y + sum over k of exp(-tau k^2) sin(2 pi k y) / (pi k): how a terrace's
 /// m-th harmonic meets the grid that it comes from. To first order in its height the first is -1.
 const HARMONICS: [f64; 4] = [-0.923, 0.592, -0.481, 0.422];
@@ -50,7 +52,7 @@ fn sampling_excess(spacing: Spacing, profile: &EdgeProfile, delta: &SmearedDelta
     let half = profile.distance_of(delta.half_width().min(profile.value(6.0 * profile.sigma())));
     let h = spacing.mm();
     // What thinner bands miss or hit is chance, which is flagged (`thickness-below-spacing`); and frequencies without end would take as long to sum.
-    let highest = HIGHEST / (2.0 * half).max(spacing.smallest());
+    let highest = HIGHEST / (2.0 * half).max(spacing.smallest()).max(THINNEST * spacing.largest());
     let reach = h.map(|h| (highest * h).floor() as i64);
     let mut excess = 0.0;
     for k in -reach[2]..=reach[2] {

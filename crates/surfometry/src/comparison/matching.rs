@@ -40,10 +40,10 @@ impl<'a> Matching<'a> {
         standard: &'a Table,
         name: impl Fn(&ObjectKey) -> ObjectKey,
     ) -> Result<Self, TableError> {
-        let methods = by_name(method, &name)?;
+        by_name(method, &name)?;
         let mut standards = by_name(standard, &name)?;
         let mut found = Self { pairs: Vec::new(), only_method: Vec::new(), only_standard: Vec::new() };
-        for row in method.rows.iter().filter(|row| methods.contains_key(&name(&row.key))) {
+        for row in &method.rows {
             match standards.remove(&name(&row.key)) {
                 Some(other) => found.pairs.push((row, other)),
                 None => found.only_method.push(row.key.clone()),

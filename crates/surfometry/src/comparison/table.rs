@@ -1,8 +1,10 @@
 //! Tables as `measure --format csv` writes them, and any other with a column `input`.
 
+use csv::StringRecord;
 use serde::Serialize;
-use std::collections::BTreeMap;
+use std::collections::HashMap;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use thiserror::Error;
 
 /// Which object a row is of.
@@ -31,7 +33,9 @@ impl std::fmt::Display for ObjectKey {
 pub struct Row {
     /// The object.
     pub key: ObjectKey,
-    cells: BTreeMap<String, String>,
+    cells: StringRecord,
+    /// Where each column's cell is, the same for all rows.
+    places: Arc<HashMap<String, usize>>,
 }
 
 impl Row {
@@ -40,7 +44,8 @@ impl Row {
     /// # Errors
     /// The cell's text, where it is no number.
     pub fn number(&self, column: &str) -> Result<Option<f64>, &str> {
-        match self.cells.get(column).map(String::as_str).unwrap_or_default().trim() {
+        let cell = self.places.get(column).and_then(|&place| self.cells.get(place));
+        match cell.unwrap_or_default().trim() {
             "" => Ok(None),
             text => text.parse::<f64>().map(|v| Some(v).filter(|v| v.is_finite())).map_err(|_| text),
         }
@@ -138,24 +143,27 @@ impl Table {
         if !columns.iter().any(|column| column == "input") {
             return Err(TableError::Unnamed { path: path.to_owned() });
         }
+        let places: Arc<HashMap<String, usize>> = Arc::new(columns.iter().cloned().zip(0..).collect());
         let mut rows = Vec::new();
-        for record in reader.records() {
-            let record = record.map_err(wrong)?;
-            let mut cells: BTreeMap<String, String> =
-                columns.iter().cloned().zip(record.iter().map(str::to_owned)).collect();
-            let mut take = |column: &str| cells.remove(column).unwrap_or_default();
-            let failed = !take("error").is_empty();
-            let key = ObjectKey { input: take("input"), label: take("label"), component: take("component") };
-            if !failed {
-                rows.push(Row { key, cells });
+        for record in reader.into_records() {
+            let cells = record.map_err(wrong)?;
+            let cell =
+                |column: &str| places.get(column).and_then(|&place| cells.get(place)).unwrap_or_default();
+            if !cell("error").is_empty() {
+                continue;
             }
+            let [input, label, component] = ["input", "label", "component"].map(|name| cell(name).to_owned());
+            rows.push(Row { key: ObjectKey { input, label, component }, cells, places: Arc::clone(&places) });
         }
         Ok(Self { path: path.to_owned(), columns, rows })
     }
 
-    /// Columns that hold a number in the first row that has something there.
+    /// Columns that hold a number in any row, and are not part of an object's name.
     pub(super) fn numeric_columns(&self) -> Vec<&str> {
-        let number = |column: &&str| self.rows.iter().any(|row| matches!(row.number(column), Ok(Some(_))));
+        let number = |column: &&str| {
+            !["label", "component"].contains(column)
+                && self.rows.iter().any(|row| matches!(row.number(column), Ok(Some(_))))
+        };
         self.columns.iter().map(String::as_str).filter(number).collect()
     }
 }

@@ -2,7 +2,9 @@
 
 use super::ReadError;
 use super::header::{DataOffset, Encoding, VoxelData};
-use flate2::read::{MultiGzDecoder, ZlibDecoder};
+use super::members::Members;
+use bzip2::bufread::BzDecoder;
+use flate2::bufread::{GzDecoder, ZlibDecoder};
 use std::fs::File;
 use std::io::{self, BufReader, Read, Seek, SeekFrom};
 use std::sync::Arc;
@@ -13,7 +15,7 @@ use std::time::Instant;
 const BUFFER: usize = 1 << 18;
 
 /// A file that adds up how long reading it takes.
-struct Timed {
+pub(super) struct Timed {
     file: File,
     nanoseconds: Arc<AtomicU64>,
 }
@@ -24,6 +26,12 @@ impl Read for Timed {
         let outcome = self.file.read(buffer);
         self.nanoseconds.fetch_add(start.elapsed().as_nanos() as u64, Ordering::Relaxed);
         outcome
+    }
+}
+
+impl Seek for Timed {
+    fn seek(&mut self, position: SeekFrom) -> io::Result<u64> {
+        self.file.seek(position)
     }
 }
 
@@ -50,9 +58,9 @@ pub(crate) fn open(
     let stored = BufReader::with_capacity(BUFFER, Timed { file, nanoseconds: Arc::clone(spent) });
     let mut decoded: Box<dyn Read + Send> = match data.encoding {
         Encoding::Raw => Box::new(stored),
-        Encoding::Gzip => Box::new(MultiGzDecoder::new(stored)),
+        Encoding::Gzip => Box::new(Members::<GzDecoder<_>>::new(stored)),
         Encoding::Zlib => Box::new(ZlibDecoder::new(stored)),
-        Encoding::Bzip2 => Box::new(bzip2::read::MultiBzDecoder::new(stored)),
+        Encoding::Bzip2 => Box::new(Members::<BzDecoder<_>>::new(stored)),
     };
     io::copy(&mut decoded.by_ref().take(skip), &mut io::sink())
         .map_err(|source| ReadError::Decompression { found: 0, expected: bytes, source })?;

@@ -65,6 +65,16 @@ pub enum ReadError {
         /// What the decoder said.
         source: io::Error,
     },
+    /// Compressed data that go on and on.
+    #[error(
+        "more than {surplus} bytes follow the {expected} of the voxels in the compressed data: the header does not describe them; export the file again"
+    )]
+    Endless {
+        /// Bytes that the header promises.
+        expected: u64,
+        /// Bytes decoded behind them, without an end.
+        surplus: u64,
+    },
     /// The image itself.
     #[error(transparent)]
     Volume(#[from] VolumeError),

@@ -4,6 +4,7 @@ mod encoding;
 mod error;
 mod growing_file;
 mod header;
+mod members;
 mod mesh;
 mod metaimage;
 mod nifti;

@@ -8,13 +8,15 @@
 use super::ReadError;
 use super::header::{ByteOrder, DataOffset, Encoding, Format, ImageHeader, VoxelData, three_dimensions};
 use crate::volume::{Affine, ScalarType};
-use flate2::read::MultiGzDecoder;
+use flate2::read::{GzDecoder, MultiGzDecoder};
 use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
 const SIZE_1: i32 = 348;
 const SIZE_2: i32 = 540;
+/// Bytes of a header with its extensions; bounds what is read of a file that is none.
+const LONGEST_HEADER: u64 = 1 << 24;
 /// Relative difference of pixdim and sform spacings that is worth a warning.
 const CONFLICT: f64 = 0.01;
 
@@ -31,9 +33,16 @@ pub(super) fn read_header(path: &Path) -> Result<ImageHeader, ReadError> {
     let affine = fields.affine();
     let single = fields.single_file;
     let offset = if single { fields.vox_offset.max(fields.header_size + 4) } else { fields.vox_offset };
-    let data_path = if single { header_path } else { data_path };
     // Of a pair, header and image may be compressed apart.
-    let gzipped = if single { gzipped } else { is_gzip(&data_path)? };
+    let (data_path, data_gzipped) = if single {
+        (header_path, gzipped)
+    } else {
+        if gzipped {
+            compare_checksum(&header_path)?;
+        }
+        let data_gzipped = is_gzip(&data_path)?;
+        (data_path, data_gzipped)
+    };
     Ok(ImageHeader {
         format: Format::Nifti,
         dimensions,
@@ -43,8 +52,8 @@ pub(super) fn read_header(path: &Path) -> Result<ImageHeader, ReadError> {
         other_spacing: fields.conflicting_spacing(affine.as_ref()),
         data: VoxelData {
             path: data_path,
-            encoding: if gzipped { Encoding::Gzip } else { Encoding::Raw },
-            offset: if gzipped { DataOffset::Decoded(offset) } else { DataOffset::Stored(offset) },
+            encoding: if data_gzipped { Encoding::Gzip } else { Encoding::Raw },
+            offset: if data_gzipped { DataOffset::Decoded(offset) } else { DataOffset::Stored(offset) },
             order: fields.order,
             scaling: fields.scaling(),
         },
@@ -88,6 +97,14 @@ fn header_bytes(path: &Path) -> Result<(Vec<u8>, bool), ReadError> {
         )));
     }
     Ok((bytes, gzipped))
+}
+
+/// Reads a compressed header to its end: that of a pair is not compared when the voxels are.
+fn compare_checksum(path: &Path) -> Result<(), ReadError> {
+    let file = File::open(path).map_err(|e| ReadError::io(path, e))?;
+    std::io::copy(&mut GzDecoder::new(file).take(LONGEST_HEADER), &mut std::io::sink())
+        .map(drop)
+        .map_err(|e| error(format!("{e}; copy or export the file again")))
 }
 
 /// The fields that matter, of either version.

@@ -1,14 +1,17 @@
 //! A file's voxels as slabs.
 
 use super::encoding;
-use super::header::ByteOrder;
+use super::header::{ByteOrder, Encoding};
 use super::{ImageHeader, ReadError, ReadOptions};
 use crate::volume::{Grid, Samples, ScalarType, Slab, SlabReader, VolumeError, slices_a_slab};
-use std::io::Read;
+use std::io::{self, Read};
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
+
+/// How many bytes may follow the last voxel in compressed data, or as many as the voxels have: so far their end is looked for.
+const MOST_SURPLUS: u64 = 1 << 28;
 
 /// An open image file, read slab by slab.
 pub struct VoxelStream {
@@ -56,7 +59,7 @@ impl VoxelStream {
         let found = before + filled as u64;
         match outcome {
             // Decoders report a stream that stops in its middle as an unexpected end of file.
-            Err(e) if e.kind() == std::io::ErrorKind::UnexpectedEof => {
+            Err(e) if e.kind() == io::ErrorKind::UnexpectedEof => {
                 Err(ReadError::Truncated { found, expected })
             }
             Err(source) => Err(ReadError::Decompression { found, expected, source }),
@@ -65,14 +68,17 @@ impl VoxelStream {
         }
     }
 
-    /// Reads on past the last voxel, which makes a decoder compare its checksum.
-    fn check_end(&mut self) -> Result<(), ReadError> {
+    /// Reads on to the end of compressed data, where decoders compare their checksums: damage may make a stream longer than it was.
+    fn finish(&mut self) -> Result<(), ReadError> {
         let expected = total_bytes(&self.header);
-        match self.voxels.by_ref().take(1).read_to_end(&mut Vec::new()) {
-            // What follows the last member is no gzip: padding, which gzip tools ignore too. (flate2 has no kind for it.)
-            Err(e) if e.to_string().contains("invalid gzip header") => Ok(()),
-            Err(source) => Err(ReadError::Decompression { found: expected, expected, source }),
+        if self.header.data.encoding == Encoding::Raw {
+            return Ok(());
+        }
+        let most = expected.max(MOST_SURPLUS);
+        match io::copy(&mut self.voxels.by_ref().take(most), &mut io::sink()) {
+            Ok(surplus) if surplus == most => Err(ReadError::Endless { expected, surplus }),
             Ok(_) => Ok(()),
+            Err(source) => Err(ReadError::Decompression { found: expected, expected, source }),
         }
     }
 }
@@ -107,7 +113,7 @@ impl SlabReader for VoxelStream {
         }
         self.next_slice = last;
         if last == nz {
-            self.check_end()?;
+            self.finish()?;
         }
         Ok(Some(Slab { slices: first..last, samples }))
     }

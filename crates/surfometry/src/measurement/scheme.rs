@@ -46,7 +46,8 @@ pub(super) use with_scheme;
 impl<'a> Scheme<'a> {
     /// Of a mask; `None` where the blur is known to leave nothing.
     pub(super) fn of_mask(setup: &Setup, mask: &'a Mask) -> Result<Option<Self>, MeasureError> {
-        if setup.parameters.sigma_mm.is_some_and(|sigma| vanishes_for_certain(setup, mask, sigma)) {
+        // A hair below the level, for what rounding adds.
+        if is_below(setup, mask, setup.parameters.level_or_half() * (1.0 - 1e-6)) {
             return Ok(None);
         }
         Self::check_reach(setup)?;
@@ -88,6 +89,12 @@ impl<'a> Scheme<'a> {
                 Self::GaussianDifferences(FiniteDifferences::new(embedding, spacing))
             }
         }
+    }
+
+    /// Whether the band, and with it the surface, is known to be nowhere.
+    pub(super) fn has_no_band(setup: &Setup, mask: &Mask) -> bool {
+        let band = setup.parameters.level_or_half() - setup.band.delta().half_width();
+        is_below(setup, mask, band * (1.0 - 1e-6))
     }
 
     /// Slices around some in which an object must be known for what is summed over them.
@@ -134,21 +141,27 @@ fn truncation_of(setup: &Setup) -> f64 {
     })
 }
 
-/// Whether the blurred indicator stays below the level everywhere: it is at most that of the bounding box, whose
-/// maximum is a product over the axes of the largest sum of as many neighbouring taps as the box is wide.
-fn vanishes_for_certain(setup: &Setup, mask: &Mask, sigma: f64) -> bool {
+/// Whether the blurred indicator is known to stay below a value everywhere; without a blur it is not.
+///
+/// It is at most that of the bounding box, whose maximum is a product over the axes of the largest sum of as many neighbouring taps as the box is wide; and at most
+/// that of all voxels in one place.
+fn is_below(setup: &Setup, mask: &Mask, value: f64) -> bool {
     // From there on samples and the integral differ by less than the hundredth that is added.
     const FINE: f64 = 20.0;
-    let (spacing, extent) = (mask.grid().spacing().mm(), mask.bounds().extent());
-    let share = |a: usize| {
-        let width = extent[a] as f64 * spacing[a];
+    let Some(sigma) = setup.parameters.sigma_mm else { return false };
+    let spacing = mask.grid().spacing().mm();
+    let share = |a: usize, voxels: usize| {
+        let width = voxels as f64 * spacing[a];
         if sigma > FINE * spacing[a] {
             (1.01 * libm::erf(width / (2.0 * std::f64::consts::SQRT_2 * sigma))).min(1.0)
         } else {
-            GaussianKernel::new(sigma, spacing[a], 0, truncation_of(setup)).largest_sum(extent[a])
+            GaussianKernel::new(sigma, spacing[a], 0, truncation_of(setup)).largest_sum(voxels)
         }
     };
     // Of a combination, what is taken off may be nothing.
     let weight = setup.parameters.embedding.profile(sigma).terms()[0].0;
-    weight * (0..3).map(share).product::<f64>() < setup.parameters.level_or_half() * (1.0 - 1e-6)
+    let extent = mask.bounds().extent();
+    let of_box = || (0..3).map(|a| share(a, extent[a])).product::<f64>();
+    let of_voxels = || mask.voxels() as f64 * (0..3).map(|a| share(a, 1)).product::<f64>();
+    weight * of_box() < value || weight * of_voxels() < value
 }

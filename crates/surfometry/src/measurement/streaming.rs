@@ -1,6 +1,6 @@
 //! Images that are never held: objects are summed over while their slices go by.
 
-use super::pass::Pass;
+use super::pass::{ObjectSums, Pass};
 use super::scheme::Scheme;
 use super::setup::{Setup, Totals};
 use super::{Clip, MeasureError, Measured, Measurement};
@@ -182,7 +182,12 @@ impl<'a> Stream<'a> {
         let start = Instant::now();
         let mask = self.window.mask(codes, bounds);
         let pass = Pass { slices: Some(self.layer.clone()), ..self.setup.pass(true) };
-        let sums = Scheme::of_part(&self.setup, &mask).sums(&pass);
+        // What is in reach of the layer decides; so a small object costs nothing, however far a blur spreads it.
+        let sums = if Scheme::has_no_band(&self.setup, &mask) {
+            ObjectSums::default()
+        } else {
+            Scheme::of_part(&self.setup, &mask).sums(&pass)
+        };
         totals.integrated += sums.times.share_of_integrals(start.elapsed());
         totals.sums = std::mem::take(&mut totals.sums).merged(&sums);
         totals.add_voxels(&mask, self.layer.clone());

@@ -49,7 +49,6 @@ pub struct Agreement {
 impl Agreement {
     /// Of pairs.
     pub fn of(pairs: &Paired, how: Bootstrap) -> Self {
-        let bias = |sample: &Paired| mean(&sample.differences());
         Self {
             count: pairs.count(),
             method: Spread::of(pairs.method()),
@@ -58,7 +57,7 @@ impl Agreement {
             bland_altman: bland_altman(pairs),
             concordance: concordance(pairs),
             intraclass: intraclass(&[pairs.method(), pairs.standard()]),
-            bootstrapped_bias: bootstrap(pairs, how, bias),
+            bootstrapped_bias: bootstrap(pairs, how, Paired::mean_difference),
             bootstrapped_concordance: bootstrap(pairs, how, |sample| concordance(sample).value),
         }
     }

@@ -1,6 +1,7 @@
 //! The bootstrap over pairs.
 
 use super::{Estimate, Paired, normal_cdf, normal_quantile};
+use rayon::prelude::*;
 
 /// How a bootstrap is drawn; the same seed gives the same interval.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -17,11 +18,21 @@ impl Default for Bootstrap {
     }
 }
 
+/// Pairs beyond which none is drawn: the jackknife takes time with their square, and means of so many are normal.
+const MOST_PAIRS: usize = 10_000;
+
 /// A statistic with its bias-corrected and accelerated interval (BCa; Efron 1987): pairs are drawn with replacement, the acceleration is the jackknife's.
 ///
-/// `None` where the statistic is the same for nearly all samples, so that there is no interval.
-pub fn bootstrap(pairs: &Paired, how: Bootstrap, statistic: impl Fn(&Paired) -> f64) -> Option<Estimate> {
+/// `None` where the statistic is the same for nearly all samples, so that there is no interval; and of more than 10,000 pairs.
+pub fn bootstrap(
+    pairs: &Paired,
+    how: Bootstrap,
+    statistic: impl Fn(&Paired) -> f64 + Sync,
+) -> Option<Estimate> {
     let count = pairs.count();
+    if count > MOST_PAIRS {
+        return None;
+    }
     let value = statistic(pairs);
     let mut random = Pcg::new(how.seed);
     let mut drawn: Vec<f64> = (0..how.samples)
@@ -38,10 +49,8 @@ pub fn bootstrap(pairs: &Paired, how: Bootstrap, statistic: impl Fn(&Paired) -> 
         return None;
     }
     let left_out: Vec<f64> = (0..count)
-        .filter_map(|out| {
-            let places: Vec<usize> = (0..count).filter(|&place| place != out).collect();
-            pairs.chosen(&places)
-        })
+        .into_par_iter()
+        .filter_map(|place| pairs.without(place))
         .map(|sample| statistic(&sample))
         .collect();
     let mean = super::paired::mean(&left_out);

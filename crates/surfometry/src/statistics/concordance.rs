@@ -1,16 +1,16 @@
 //! Lin's concordance correlation coefficient.
 
-use super::paired::{co_moment, mean};
+use super::paired::Moments;
 use super::{Estimate, Paired, normal_quantile};
 
 /// How close pairs lie to the line of equality: correlation times a penalty for shift and scale (Lin 1989, with the variance as corrected in 2000), 1 for identical values.
 ///
 /// The interval is symmetric in the inverse hyperbolic tangent.
 pub fn concordance(pairs: &Paired) -> Estimate {
-    let (x, y) = (pairs.method(), pairs.standard());
+    let Moments { means, sums } = Moments::of(pairs.method(), pairs.standard());
     let count = pairs.count() as f64;
-    let [xx, yy, xy] = [co_moment(x, x), co_moment(y, y), co_moment(x, y)].map(|moment| moment / count);
-    let shift = mean(x) - mean(y);
+    let [xx, yy, xy] = sums.map(|sum| sum / count);
+    let shift = means[0] - means[1];
     let value = 2.0 * xy / (xx + yy + shift * shift);
     let r = xy / (xx * yy).sqrt();
     let u = shift / (xx * yy).sqrt().sqrt();

@@ -17,7 +17,7 @@ pub use agreement::{Agreement, Spread};
 pub use bland_altman::{BlandAltman, bland_altman};
 pub use bootstrap::{Bootstrap, bootstrap};
 pub use concordance::concordance;
-pub use confusion::{ConfusionMatrix, EulerRounding};
+pub use confusion::{ConfusionMatrix, EulerRounding, RareClasses};
 pub use distributions::{f_quantile, normal_cdf, normal_quantile, student_quantile, student_tails};
 pub use estimate::Estimate;
 pub use intraclass::{Intraclass, intraclass};

@@ -85,6 +85,17 @@ impl Paired {
         self.method.iter().copied().zip(self.standard.iter().copied())
     }
 
+    /// Mean of method minus standard.
+    pub fn mean_difference(&self) -> f64 {
+        self.pairs().map(|(m, s)| m - s).sum::<f64>() / self.count() as f64
+    }
+
+    /// The pairs but one; `None` where what is left cannot be compared.
+    pub(super) fn without(&self, place: usize) -> Option<Self> {
+        let rest = |values: &[f64]| [&values[..place], &values[place + 1..]].concat();
+        Self::new(rest(&self.method), rest(&self.standard)).ok()
+    }
+
     /// The pairs at some places; `None` where they are none that can be compared.
     pub(super) fn chosen(&self, places: &[usize]) -> Option<Self> {
         let take = |values: &[f64]| places.iter().map(|&place| values[place]).collect();
@@ -101,6 +112,26 @@ pub(super) fn mean(values: &[f64]) -> f64 {
 pub(super) fn co_moment(a: &[f64], b: &[f64]) -> f64 {
     let (mean_a, mean_b) = (mean(a), mean(b));
     a.iter().zip(b).map(|(a, b)| (a - mean_a) * (b - mean_b)).sum()
+}
+
+/// Means of two numbers, and the sums of squares and products of their distances from them: as [`mean`] and [`co_moment`] have them, in two passes.
+pub(super) struct Moments {
+    pub(super) means: [f64; 2],
+    /// Of the first's squares, the second's, and the products.
+    pub(super) sums: [f64; 3],
+}
+
+impl Moments {
+    pub(super) fn of(x: &[f64], y: &[f64]) -> Self {
+        let pairs = || x.iter().zip(y);
+        let add = |[a, b]: [f64; 2], (x, y): (&f64, &f64)| [a + x, b + y];
+        let means = pairs().fold([0.0; 2], add).map(|sum| sum / x.len() as f64);
+        let sums = pairs().fold([0.0; 3], |[xx, yy, xy], (x, y)| {
+            let (a, b) = (x - means[0], y - means[1]);
+            [xx + a * a, yy + b * b, xy + a * b]
+        });
+        Self { means, sums }
+    }
 }
 
 /// Standard deviation, of a sample.

@@ -16,6 +16,25 @@ pub enum VolumeError {
         /// The offending value, in mm.
         value: f64,
     },
+    /// A spacing that is no length between voxels, whatever the image is of.
+    #[error(
+        "the voxel spacing along axis {axis} is {value:e} mm: the header is damaged or names another unit; give the right spacing"
+    )]
+    UnlikelySpacing {
+        /// Axis 0, 1 or 2; 0 is the fastest in memory.
+        axis: usize,
+        /// The offending value, in mm.
+        value: f64,
+    },
+    /// Voxels so long that no blur suits all their axes.
+    #[error(
+        "voxels of {spacing:?} mm are more than 10000 times as long along one axis as along another: the header is damaged or mixes units; give \
+         the right spacing"
+    )]
+    UnequalSpacing {
+        /// All three, mm.
+        spacing: [f64; 3],
+    },
     /// The file names no spacing at all.
     #[error("the file holds no voxel spacing: say what it is, in mm, fastest axis first")]
     MissingSpacing,

@@ -1,7 +1,6 @@
 //! Shapes, poses and comparisons that several tests use.
 #![allow(dead_code, missing_docs, unreachable_pub)]
 
-use std::path::PathBuf;
 use surfometry::Measurement;
 use surfometry::measurement::Measured;
 use surfometry::phantoms::{Phantom, Pose, Shape, Truth};
@@ -21,11 +20,6 @@ pub const SPACINGS: [[f64; 3]; 5] =
 
 pub fn phantom(shape: impl Shape + 'static, pose: Pose, spacing: [f64; 3]) -> Phantom {
     Phantom::new(shape, pose, spacing).expect("a valid phantom")
-}
-
-/// A file of the shared data set; tests that need it are ignored where it is absent.
-pub fn shared(name: &str) -> PathBuf {
-    PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/data/real")).join(name)
 }
 
 /// Measures a phantom's voxels.
@@ -69,4 +63,20 @@ pub fn values(m: &Measured) -> [Option<f64>; 8] {
         c.surface_area_mm2,
         c.total_mean_curvature_mm,
     ]
+}
+
+/// Everything that does not depend on where the object lies, within `tolerance`.
+pub fn assert_same(name: &str, found: &Measured, expected: &Measured, tolerance: f64) {
+    for (i, (a, b)) in values(found).into_iter().zip(values(expected)).enumerate() {
+        let (a, b) = (a.expect("a number"), b.expect("a number"));
+        assert!((a / b - 1.0).abs() < tolerance, "{name}: value {i} is {a}, not {b}");
+    }
+    assert_eq!(found.voxels.count, expected.voxels.count, "{name}");
+    assert_eq!(found.topology, expected.topology, "{name}");
+}
+
+pub fn assert_same_place(name: &str, found: &Measured, expected: &Measured) {
+    for (a, b) in found.voxels.centroid_mm.iter().zip(expected.voxels.centroid_mm) {
+        assert!((a - b).abs() < 1e-3, "{name}: centroid {a}, not {b}");
+    }
 }

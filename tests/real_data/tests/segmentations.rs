@@ -1,19 +1,18 @@
-//! Real segmentations of ../shared/data/real: published figures, and exact topology as scikit-image counts it.
-//!
-//! Ignored, visibly, where that folder is absent.
+//! Real segmentations: published figures, and exact topology as scikit-image counts it.
 
+#[path = "../../../crates/surfometry/tests/common/mod.rs"]
 mod common;
 
-use common::shared;
 use surfometry::Measurement;
 use surfometry::io::read_labels;
 use surfometry::measurement::{Clip, Derivatives, EmbeddingKind, Measured};
 use surfometry::runs::{Plan, records_of};
 use surfometry::topology::VoxelTopology;
 use surfometry::volume::{Grid, Mask};
+use surfometry_real_data::real;
 
 fn femur(measurement: &Measurement) -> Measured {
-    let image = read_labels(shared("bone/libhip_m3_left_proximal_femur_1mm.nii.gz")).unwrap();
+    let image = read_labels(real("bone/libhip_m3_left_proximal_femur_1mm.nii.gz")).unwrap();
     measurement.run(&image.mask(1)).unwrap()
 }
 
@@ -79,7 +78,7 @@ fn the_distance_embedding_is_nonsense_and_says_so() {
 #[test]
 #[cfg_attr(not(shared_data), ignore = "../shared/data is absent")]
 fn topology_of_every_label_is_scikit_images() {
-    let table = std::fs::read_to_string(shared("figures.csv")).unwrap();
+    let table = std::fs::read_to_string(real("figures.csv")).unwrap();
     let mut lines = table.lines();
     let header: Vec<&str> = lines.next().unwrap().split(',').collect();
     let column =
@@ -93,7 +92,7 @@ fn topology_of_every_label_is_scikit_images() {
             continue;
         }
         if image.0 != cells[file] {
-            image = (cells[file].to_owned(), Some(read_labels(shared(cells[file])).unwrap()));
+            image = (cells[file].to_owned(), Some(read_labels(real(cells[file])).unwrap()));
         }
         let mask = image.1.as_ref().unwrap().mask(cells[label].parse().unwrap());
         let topology = VoxelTopology::of(&mask);
@@ -113,7 +112,7 @@ fn topology_of_every_label_is_scikit_images() {
 #[test]
 #[cfg_attr(not(shared_data), ignore = "../shared/data is absent")]
 fn nine_vertebrae_of_a_scan() {
-    let input = shared("bone/sub-verse004_seg-vert_msk.nii.gz");
+    let input = real("bone/sub-verse004_seg-vert_msk.nii.gz");
     let records = records_of(input.to_str().unwrap(), &Plan::default()).unwrap();
     let labels: Vec<String> = records.iter().map(|r| r.label.as_ref().unwrap().to_string()).collect();
     assert_eq!(labels, (16..=24).map(|l: i32| l.to_string()).collect::<Vec<_>>());
@@ -136,7 +135,7 @@ fn nine_vertebrae_of_a_scan() {
 #[cfg_attr(not(shared_data), ignore = "../shared/data is absent")]
 fn three_slices_give_no_absurd_numbers() {
     for name in ["liver_seg.nrrd", "spine_seg.nrrd"] {
-        let input = shared("formats/original").join(name);
+        let input = real("formats/original").join(name);
         for record in records_of(input.to_str().unwrap(), &Plan::default()).unwrap() {
             let m = &record.measured;
             let codes = common::codes(m);
@@ -170,7 +169,7 @@ fn surfaces_of_real_objects_are_closed() {
         ("trabecular/lhdl_3155_lower_largest_padded.nii.gz", 1, 0.03),
     ];
     for (name, label, sigma) in cases {
-        let mask = read_labels(shared(name)).unwrap().mask(label);
+        let mask = read_labels(real(name)).unwrap().mask(label);
         let object = Measurement::default().sigma_mm(sigma).prepare(&mask).unwrap();
         let (surface, measured) = (object.surface(), object.measure());
         let (mesh, chi) = (&surface.mesh, measured.topology.euler_characteristic_mesh.unwrap());
@@ -190,7 +189,7 @@ fn surfaces_of_real_objects_are_closed() {
 #[test]
 #[cfg_attr(not(shared_data), ignore = "../shared/data is absent")]
 fn undoing_the_displacement_gives_the_femurs_area_back() {
-    let image = read_labels(shared("bone/libhip_m3_left_proximal_femur_1mm.nii.gz")).unwrap();
+    let image = read_labels(real("bone/libhip_m3_left_proximal_femur_1mm.nii.gz")).unwrap();
     let mask = image.mask(1);
     let mut mesh = sigma_two().prepare(&mask).unwrap().surface();
     let before = mesh.mesh.area() / 24_385.0 - 1.0;
@@ -208,7 +207,7 @@ fn undoing_the_displacement_gives_the_femurs_area_back() {
 #[test]
 #[cfg_attr(not(shared_data), ignore = "../shared/data is absent")]
 fn femurs_cut_at_two_heights() {
-    let image = read_labels(shared("bone/libhip_m3_left_proximal_femur_1mm.nii.gz")).unwrap();
+    let image = read_labels(real("bone/libhip_m3_left_proximal_femur_1mm.nii.gz")).unwrap();
     let femur = image.mask(1);
     let part = |slices: std::ops::Range<usize>| {
         let [nx, ny, _] = image.grid().dimensions();
