@@ -1,4 +1,4 @@
-"""The paper's method written again in NumPy and SciPy, formulas from the text with FACTS.md's errata, against ours."""
+"""The paper's method written again in NumPy and SciPy, formulas from the text with docs/decisions.md's errata, against ours."""
 
 import nibabel as nib
 import numpy as np

@@ -57,7 +57,7 @@ fn every_format_is_written_and_named() {
     assert_eq!(printed, files_in(folder.path()));
     assert_eq!(printed, names(&[&outputs[..], &["a.shape.gii", "a.vector.gii"]].concat()));
     let csv = std::fs::read_to_string(folder.path().join("a.csv")).unwrap();
-    // DESIGN.md 4: world coordinates first, then the arrays by their names.
+    // The contract: world coordinates first, then the arrays by their names.
     assert!(csv.starts_with("x_mm,y_mm,z_mm,"));
     for name in ["mean_curvature_per_mm", "gaussian_curvature_per_mm2", "displacement_mm", "direction_1_x"] {
         assert!(csv.lines().next().unwrap().split(',').any(|column| column == name), "{name}");

@@ -52,7 +52,7 @@ fn the_level_moves_the_surface_by_the_edges_profile() {
     }
 }
 
-/// Fourth-order differences lose area: 0.2 % more than Gaussian derivatives at sigma = 2 voxels (FACTS.md 0), and
+/// Fourth-order differences lose area: 0.2 % more than Gaussian derivatives at sigma = 2 voxels, and
 /// more at 1.5, never less.
 #[test]
 fn differences_lose_area() {

@@ -105,7 +105,7 @@ fn euler_error_of_differences_falls_with_the_fourth_power_of_sigma() {
     assert!(chi(1.5, Derivatives::Gaussian).abs() < 0.1 * errors[0].1);
 }
 
-/// Noise of local H from a mask falls with sigma at fixed spacing (FACTS 1.2: with about its third power).
+/// Noise of local H from a mask falls with sigma at fixed spacing with about its third power.
 #[test]
 fn local_noise_falls_with_sigma() {
     let phantom = phantom(Ball { radius: 60.0 }, poses()[2], [1.0; 3]);

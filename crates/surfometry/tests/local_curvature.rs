@@ -105,7 +105,7 @@ fn gaussian_derivatives_of_a_mask_are_right_on_rotated_ellipsoids() {
     }
 }
 
-/// The band's voxels of a blurred mask see H too high on a convex body, by sigma^2 / R^2 of it (FACTS 1.2).
+/// The band's voxels of a blurred mask see H too high on a convex body, by sigma^2 / R^2 of it.
 #[test]
 fn local_mean_curvature_of_a_ball_has_the_blurs_bias() {
     let (radius, sigma) = (20.0, 3.0);

@@ -92,7 +92,7 @@ fn of_shapes<'a>(results: &'a [CaseResult], names: &'a [&str]) -> Vec<CaseResult
     results.iter().filter(|c| names.contains(&c.shape)).copied().collect()
 }
 
-/// Local curvature at automatic scale, on a shape that constants were tuned on and on two that they were not: within the 6 and 8 % that issue 5 asks at R = 10 voxels at 8 already, on
+/// Local curvature at automatic scale, on a shape that constants were tuned on and on two that they were not: within 6 and 8 % at R = 10 voxels at 8 already, on
 /// tori a third of it, and falling with the order 0.67 to 1.1 in h (0.9 is asked). Error bars hold on 85 to 100 % of the surface.
 #[test]
 fn local_curvature_converges() {

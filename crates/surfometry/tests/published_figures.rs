@@ -1,4 +1,4 @@
-//! The first table of ../shared/FACTS.md: area and Euler characteristic at two blurs, by finite differences and by
+//! A table of area and Euler characteristic at two blurs, by finite differences and by
 //! Gaussian derivatives, measured there with another implementation (SciPy).
 
 use surfometry::Measurement;

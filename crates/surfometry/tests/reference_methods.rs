@@ -51,7 +51,7 @@ fn faces_of_voxels() {
     }
 }
 
-/// 8.2 % too large on cubic voxels whatever the resolution (marching cubes' tables, which triangulate the same vertices differently, 8.8: FACTS.md 1.1, and the oracle test); and the
+/// 8.2 % too large on cubic voxels whatever the resolution (marching cubes' tables, which triangulate the same vertices differently, 8.8; and the oracle test); and the
 /// mask smoothed by 0.8 voxel, which shrinks by sigma^2 / R.
 #[test]
 fn triangulated_masks() {

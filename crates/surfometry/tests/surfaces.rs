@@ -254,7 +254,7 @@ fn vertices_add_up_to_the_integrals() {
     assert!(summary.folding_index < 0.1 && summary.sharpness < 0.1 * summary.bending_energy);
 }
 
-/// Names of the contract (DESIGN.md 4), their order, and unit vectors that fit together.
+/// Names of the contract, their order, and unit vectors that fit together.
 #[test]
 fn arrays_are_the_contracts() {
     let mask = mask(&phantom(Torus { major: 15.0, minor: 6.0 }, poses()[0], [1.0; 3]));

@@ -43,7 +43,7 @@ fn five_sigma_is_far_enough_and_three_is_not() {
     };
     let (three, four, five) = (changes(3.0), changes(4.0), changes(5.0));
     println!("relative change of V, A, M: 3 sigma {three:?}, 4 sigma {four:?}, 5 sigma {five:?}");
-    // As FACTS.md 0 has it: A 2e-6 and H 2e-5 at 5 sigma, 2e-4 and 1e-3 at 4.
+    // As independent sketches had it: A 2e-6 and H 2e-5 at 5 sigma, 2e-4 and 1e-3 at 4.
     assert!(five[0] < 1e-6 && five[1] < 5e-6 && five[2] < 3e-5, "{five:?}");
     assert!(four[1] > 1e-5 && four[1] < 5e-4 && four[2] > 1e-4 && four[2] < 2e-3, "{four:?}");
     assert!(three[2] > 5e-3, "{three:?}");

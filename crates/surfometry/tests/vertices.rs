@@ -137,7 +137,7 @@ fn newton_steps_gain_nothing() {
     }
 }
 
-/// Noise of H at the vertices of a ball against the blurred ball's 1/r: 0.052 h^2 / sigma^3 (FACTS), so 13 % at sigma = 2 voxels
+/// Noise of H at the vertices of a ball against the blurred ball's 1/r: 0.052 h^2 / sigma^3, so 13 % at sigma = 2 voxels
 /// and R = 20, and an eighth of that at twice the sigma.
 #[test]
 fn the_noise_of_h_falls_as_the_cube_of_sigma() {

@@ -5,7 +5,7 @@ use crate::volume::Spacing;
 /// Blur of the pilot measurement that tells an object's radius of curvature, in units of the rms spacing.
 pub const PILOT_SPACINGS: f64 = 3.0;
 /// Blur in units of h^(2/7) R^(5/7): between the grid's noise in H, 0.136 h^2 / sigma^3, and the bias that is left, sigma^4 / R^5, in mean square. The
-/// constant is fitted on ellipsoids, tori, a gyroid and a bumpy sphere (FACTS 0).
+/// constant is fitted on ellipsoids, tori, a gyroid and a bumpy sphere.
 const BALANCE: f64 = 0.66;
 /// Least blur in units of the geometric mean of the spacings: below, samples are no Gaussian's.
 const LEAST_SPACINGS: f64 = 1.25;
@@ -19,7 +19,7 @@ const MOST_CHANGE: [f64; 2] = [0.6, 1.45];
 /// makes it too small (ellipsoids, Schwarz P and gyroid of 10 and 20 voxels have their least error at 0.83 to 0.88).
 const SATURATION: f64 = 0.84;
 
-/// Root of the mean square of the spacings, mm: what the grid's noise goes with, to 8 % at a ratio of 3 (FACTS 0).
+/// Root of the mean square of the spacings, mm: what the grid's noise goes with, to 8 % at a ratio of 3.
 pub fn rms_spacing(spacing: Spacing) -> f64 {
     (spacing.mm().iter().map(|h| h * h).sum::<f64>() / 3.0).sqrt()
 }

@@ -143,7 +143,7 @@ const MESH_TOLERANCE: f64 = 0.05;
 /// Share of the area along the grid from which on flat faces are told of. The terraces at the poles of a ball are up to 1.5 % after the plain blur, and 2.5 % in
 /// the corrected embedding at sigma = 2 voxels.
 const FLAT_SHARE: f64 = 0.03;
-/// Thickness in units of sigma beyond which the corrected embedding's integrals are biased (at 2.5 by 12 % in V: FACTS 0).
+/// Thickness in units of sigma beyond which the corrected embedding's integrals are biased (at 2.5 by 12 % in V).
 const CORRECTED_THICKNESS: f64 = 1.6;
 /// Share of the band's voxels in narrow places from which on they are told of.
 const NARROW_SHARE: f64 = 0.005;

@@ -25,7 +25,7 @@ impl CurvatureErrors {
     }
 }
 
-/// Noise of H with the corrected embedding, in units of h^2 / sigma^3 (FACTS 0).
+/// Noise of H with the corrected embedding, in units of h^2 / sigma^3.
 const NOISE: f64 = 0.136;
 /// Cosine of 11 degrees: where the normal is nearer to an axis of the grid, the voxels' steps are wide and noise is larger.
 const NEAR_AXIS: f64 = 0.9816;
@@ -35,12 +35,12 @@ const SHARES: [f64; 2] = [2.5, 0.85];
 const BIAS: f64 = 0.65;
 /// Bias of H, K and k1 or k2 that is left where curvature varies, in units of sigma^4 / R^5, sigma^4 / R^6 and again the first.
 ///
-/// This and the share above are larger than FACTS 0 has them (0.35 and 1), with which 71 to 95 % of the surface of ellipsoids lay within the bars; with
+/// This and the share above are larger than a first study had them (0.35 and 1), with which 71 to 95 % of the surface of ellipsoids lay within the bars; with
 /// these it is 90 to 100 % on smooth shapes (`surfometry validate`, docs/accuracy.md). Where curvature jumps, as along the seam of a flat and a round part, no
 /// model of this kind holds: 50 to 85 % there.
 const REMAINDER: [f64; 3] = [4.0, 6.0, 6.0];
 
-/// What the standard error of curvature at a vertex follows from (FACTS 0): the grid's noise, a share of what the correction did, and the
+/// What the standard error of curvature at a vertex follows from: the grid's noise, a share of what the correction did, and the
 /// order that is left, sigma^4 / R^5.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LocalErrorModel {

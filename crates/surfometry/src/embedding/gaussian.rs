@@ -46,7 +46,7 @@ impl<'a> GaussianEmbedding<'a> {
     ///
     /// At a curved surface the blurred indicator is off 1/2 by a series in odd powers of sigma, whose first term this cancels. So the zero level
     /// stands where the object's surface was, up to sigma^4 (on a ball up to exp(-2 R^2 / sigma^2)), and curvature there is the object's.
-    /// Noise is 2.6 times that of the plain blur of the same sigma (FACTS 0), wherefore sigma should be larger.
+    /// Noise is 2.6 times that of the plain blur of the same sigma, wherefore sigma should be larger.
     pub fn corrected(mask: &'a Mask, sigma: f64, truncation: f64) -> Self {
         Self::of_profile(mask, &EdgeProfile::corrected(sigma), 0.5, truncation)
     }

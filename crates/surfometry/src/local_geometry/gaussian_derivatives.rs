@@ -9,7 +9,7 @@ use crate::tiling::{Block, IndexBox};
 /// First and second derivatives straight from the mask, without differences.
 ///
 /// d(G * I) = (dG) * I holds exactly, so the only errors are the sampling of the kernels (exp(-2 pi^2 sigma^2 / h^2))
-/// and their cut. Accurate from sigma = 1 voxel on, very accurate from 1.5 on (FACTS: van Vliet and Verbeek 1993
+/// and their cut. Accurate from sigma = 1 voxel on, very accurate from 1.5 on (van Vliet and Verbeek 1993
 /// advise 2.7 for local curvature).
 #[derive(Debug)]
 pub struct GaussianDerivatives<'a> {

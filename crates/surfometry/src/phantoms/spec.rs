@@ -70,7 +70,7 @@ impl Phantom {
         input.starts_with("phantom:")
     }
 
-    /// Reads `phantom:NAME?key=value&...`; see DESIGN.md 4 for the keys. All keys are optional; lengths in mm.
+    /// Reads `phantom:NAME?key=value&...`; docs/contract.md has the keys. All keys are optional; lengths in mm.
     ///
     /// # Errors
     /// [`ParsePhantomError`], which says what is accepted instead.

@@ -1,6 +1,6 @@
 //! Named values at the vertices of a mesh.
 
-/// One value or vector at every vertex. Names and units are those of the contract (DESIGN.md 4), the same in every format.
+/// One value or vector at every vertex. Names and units are those of the contract, the same in every format.
 #[derive(Debug, Clone, PartialEq)]
 pub struct VertexArray {
     /// Name, which ends in the unit where there is one: `mean_curvature_per_mm`.

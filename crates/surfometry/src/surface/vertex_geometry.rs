@@ -71,7 +71,7 @@ impl VertexGeometry {
         Self { normal, curvature, direction_1, direction_2, displacement, errors: None, has_normal: false }
     }
 
-    /// Named columns of many vertices (DESIGN.md 4). A number that any vertex lacks is left out.
+    /// Named columns of many vertices. A number that any vertex lacks is left out.
     pub fn arrays(vertices: &[Self]) -> Vec<VertexArray> {
         let vector = |(name, value): DirectionArray| VertexArray {
             name,
