@@ -1,0 +1,97 @@
+//! Records as documents: they come back as they were, and tables have a column for everything that they hold.
+
+use surfometry::Measurement;
+use surfometry::measurement::Clip;
+use surfometry::reference_methods::METHODS;
+use surfometry::runs::{
+    Batch, Collected, Plan, Record, ReferenceRecord, ReferenceTask, Row, flatten, records_of,
+};
+use surfometry::{Choice, Control};
+
+fn records() -> Vec<Record> {
+    let measurement = Measurement::default();
+    let clipped = Plan { measurement: measurement.clip(Clip::Exclude), ..Plan::default() };
+    let gyroid = "phantom:gyroid?period=16&size=32";
+    [("phantom:torus?major=12&minor=5", Plan::default()), (gyroid, clipped)]
+        .into_iter()
+        .flat_map(|(name, plan)| records_of(name, &plan).unwrap())
+        .collect()
+}
+
+#[test]
+fn they_come_back_as_they_were() {
+    for record in records() {
+        let text = serde_json::to_string(&record).unwrap();
+        let back: Record = serde_json::from_str(&text).unwrap();
+        assert_eq!(serde_json::to_string(&back).unwrap(), text);
+        assert_eq!(
+            (back.measured.values, back.measured.flags),
+            (record.measured.values, record.measured.flags)
+        );
+    }
+}
+
+#[test]
+fn tables_have_all_columns() {
+    let columns = Record::columns();
+    let mut seen = Vec::new();
+    for record in records() {
+        let row = flatten(&serde_json::to_value(&record).unwrap());
+        for key in row.keys().filter(|key| *key != "clip") {
+            assert!(columns.contains(key), "{key}");
+            seen.push(key.clone());
+        }
+    }
+    // What no record of these has: the blur of a map.
+    let missing: Vec<&String> = columns.iter().filter(|column| !seen.contains(column)).collect();
+    assert_eq!(missing, ["curvature_sigma_mm"]);
+}
+
+#[test]
+fn reference_tables_have_all_columns() {
+    let (control, mut found) = (Control::default(), Collected::default());
+    let inputs = ["phantom:ball?radius=5".to_owned()];
+    let batch = Batch { inputs: &inputs, open: Default::default(), control: &control, cure: |_| None };
+    let task = ReferenceTask { plan: Plan::default(), methods: METHODS.to_vec() };
+    batch.run(&task, &mut found).unwrap();
+    let columns = ReferenceRecord::columns();
+    for record in &found.results {
+        let row = flatten(&serde_json::to_value(record).unwrap());
+        assert!(row.keys().eq(&columns), "{:?} {columns:?}", row.keys().collect::<Vec<_>>());
+        let text = serde_json::to_string(record).unwrap();
+        assert_eq!(&serde_json::from_str::<ReferenceRecord>(&text).unwrap(), record);
+    }
+    assert_eq!(found.results.len(), METHODS.len());
+}
+
+/// Words of choices are the words of records, and each is found by its own.
+#[test]
+fn choices_have_one_name() {
+    use surfometry::measurement::{Derivatives, EmbeddingKind};
+    fn check<T: Choice + serde::Serialize + std::fmt::Debug>() {
+        for &choice in T::ALL {
+            assert_eq!(serde_json::to_value(choice).unwrap(), choice.word());
+            assert_eq!(T::of_word(choice.word()), Ok(choice));
+        }
+        let error = T::of_word("nothing").unwrap_err().to_string();
+        assert!(error.contains(T::ALL[0].word()) && error.contains(T::WHAT), "{error}");
+    }
+    check::<EmbeddingKind>();
+    check::<Derivatives>();
+    check::<surfometry::integrals::Smearing>();
+    check::<surfometry::integrals::QuadratureRule>();
+    check::<Clip>();
+    check::<surfometry::measurement::DescribedSurface>();
+}
+
+/// A run that was told to stop ends, without a result that is not whole.
+#[test]
+fn a_stop_ends_a_batch() {
+    let control = Control::default();
+    let inputs: Vec<String> = (5..30).map(|r| format!("phantom:ball?radius={r}")).collect();
+    let batch = Batch { inputs: &inputs, open: Default::default(), control: &control, cure: |_| None };
+    control.stop();
+    let mut found = Collected::default();
+    let outcome = batch.run(&surfometry::runs::MeasureTask::default(), &mut found).unwrap();
+    assert!(outcome.stopped && found.results.is_empty() && found.failures.is_empty());
+}
