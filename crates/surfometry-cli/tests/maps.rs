@@ -82,7 +82,7 @@ fn the_json_holds_results_and_distributions() {
         |name: &str| distributions.iter().find(|d| d["name"] == name).unwrap_or_else(|| panic!("{name}"));
     let mean = &of("mean_curvature_per_mm");
     // Mean of H over the area is the band's <H>; the blurred ball's is above 1/8.
-    let average = result["average_mean_curvature_per_mm"].as_f64().unwrap();
+    let average = result["blurred"]["average_mean_curvature_per_mm"].as_f64().unwrap();
     assert!((mean["by_area"]["mean"].as_f64().unwrap() / average - 1.0).abs() < 0.02 && average > 1.0 / 8.0);
     assert_eq!(
         mean["by_area"]["quantiles"].as_array().unwrap().len(),
@@ -236,7 +236,7 @@ fn what_cannot_be_written_is_refused_before_anything_is_read() {
         (&["map", "missing.nii"], "say what to write: -o FILE"),
         (&["map", "missing.nii", "-o", "a.xyz"], "a.xyz: the name must end in one of .ply"),
         (&["map", "missing.nii", "-o", "no/a.ply"], "the folder no does not exist"),
-        (&["map", "missing.nii", "-o", "a.ply", "--view", "top"], "there is no view"),
+        (&["map", "missing.nii", "-o", "a.ply", "--view", "top"], "invalid value 'top'"),
         (&["map", "missing.nii", "-o", "a.ply", "--limit", "0"], "it must be positive"),
         (&["map", "missing.nii", "-o", "a.ply", "--quantity", "x"], "mean-curvature"),
         (&["report", "missing.nii"], "--output"),
