@@ -1,14 +1,14 @@
-//! The blurred indicator on a box, from bits.
+//! The blurred indicator on a box.
 
 use super::kernel::GaussianKernel;
+use super::{Indicator, Row};
 use crate::tiling::{IndexBox, Pool};
-use crate::volume::Mask;
 use fearless_simd::{Level, dispatch, f32x16, prelude::*};
 
 /// Voxels that are computed together.
 const LANES: usize = 16;
 
-/// G_sigma * I in three passes: along x from the ends of the rows' runs, along y and z by pairs of voxels at equal distance.
+/// G_sigma * I in three passes: along x from the ends of the rows' runs of ones, what is in a row beside them, and along y and z, by pairs of voxels at equal distance.
 ///
 /// A row whose neighbourhood is all outside or all inside is 0 or 1 without being convolved. It would come out as exactly
 /// that, because the taps add up to 1 in the order in which they are added: so a voxel's value does not depend on the box that was
@@ -16,7 +16,7 @@ const LANES: usize = 16;
 /// all machines give the same bits.
 #[derive(Debug)]
 pub(crate) struct Blur {
-    x: StepResponse,
+    x: RowKernel,
     /// Taps from the centre outward.
     y: Vec<f32>,
     z: Vec<f32>,
@@ -29,8 +29,9 @@ const BATCH: usize = 8;
 /// Rows of one slice convolved along x, and slices convolved along x and y.
 #[derive(Debug, Default)]
 struct Work {
-    /// Where the runs of a row start and end.
-    edges: Vec<i64>,
+    /// What a row is before it is convolved, and what its amounts become.
+    row: Row,
+    amounts: Vec<f32>,
     rows: Rows,
     /// Values by row, then slice; kinds by slice, then row.
     ring: Rows,
@@ -68,7 +69,7 @@ impl Blur {
     pub(crate) fn new(sigma: f64, spacing: [f64; 3], truncation: f64) -> Self {
         let kernel = |axis: usize| GaussianKernel::new(sigma, spacing[axis], 0, truncation);
         Self {
-            x: StepResponse::new(&kernel(0)),
+            x: RowKernel::new(&kernel(0)),
             y: half_taps(&kernel(1)),
             z: half_taps(&kernel(2)),
             work: Pool::default(),
@@ -77,13 +78,19 @@ impl Blur {
 
     /// Voxels that a value depends on, on each side.
     pub(crate) fn halo(&self) -> [i64; 3] {
-        [self.x.radius, self.y.len() as i64 - 1, self.z.len() as i64 - 1]
+        [self.x.radius(), self.y.len() as i64 - 1, self.z.len() as i64 - 1]
     }
 
-    /// Sets `phi`, the values on a box, to a level less the blurred mask.
-    pub(crate) fn subtract_from(&self, level: f32, mask: &Mask, region: &IndexBox, phi: &mut [f32]) {
+    /// Sets `phi`, the values on a box, to a level less the blurred indicator.
+    pub(crate) fn subtract_from(
+        &self,
+        level: f32,
+        indicator: &dyn Indicator,
+        region: &IndexBox,
+        phi: &mut [f32],
+    ) {
         self.work.with(|work| {
-            dispatch!(Level::new(), simd => self.run(simd, (level, mask), region, work, phi));
+            dispatch!(Level::new(), simd => self.run(simd, (level, indicator), region, work, phi));
         });
     }
 
@@ -91,14 +98,14 @@ impl Blur {
     fn run<S: Simd>(
         &self,
         simd: S,
-        (level, mask): (f32, &Mask),
+        (level, indicator): (f32, &dyn Indicator),
         region: &IndexBox,
         work: &mut Work,
         phi: &mut [f32],
     ) {
         let [row_length, ny, nz] = region.extent();
         let (nx, plane) = (row_length.next_multiple_of(LANES), row_length * ny);
-        let Work { edges, rows, ring, slice_kinds, row_starts, slice_starts } = work;
+        let Work { row, amounts, rows, ring, slice_kinds, row_starts, slice_starts } = work;
         let halo = 2 * (self.z.len() - 1);
         let length = halo + BATCH;
         // One more than there are outputs for, where they are made in pairs.
@@ -114,7 +121,7 @@ impl Blur {
             for number in made..first + count + halo {
                 let radii = [0, self.y.len() as i64 - 1, self.z.len() as i64 - 1 - number as i64];
                 let first = std::array::from_fn(|a| region.lower[a] - radii[a]);
-                self.x_pass(simd, mask, first, edges, rows);
+                self.x.convolve_rows(simd, indicator, first, (&mut *row, &mut *amounts), rows);
                 let slot = number % length;
                 let kinds = &mut ring.kinds[slot * ny..][..ny];
                 common_kinds(kinds, (0..self.y.len() * 2 - 1).map(|offset| &rows.kinds[offset..]));
@@ -150,37 +157,6 @@ impl Blur {
                     convolve(simd, terms, pair_kinds, [first, second.unwrap_or(&mut [])]);
                 }
             }
-        }
-    }
-
-    /// Rows of slice z convolved along x, from the one at y0 on, each from x0 on.
-    #[inline(always)]
-    fn x_pass<S: Simd>(
-        &self,
-        simd: S,
-        mask: &Mask,
-        [x0, y0, z]: [i64; 3],
-        edges: &mut Vec<i64>,
-        rows: &mut Rows,
-    ) {
-        let nx = rows.values.len() / rows.kinds.len();
-        let (x1, reach) = (x0 + nx as i64, self.x.radius);
-        for ((y, row), kind) in (y0..).zip(rows.values.chunks_exact_mut(nx)).zip(&mut rows.kinds) {
-            let mut runs = mask.runs_within(y, z, (x0 - reach, x1 + reach)).peekable();
-            *kind = match runs.peek() {
-                None => ZERO,
-                Some(&(a, b)) if a <= x0 - reach && b >= x1 + reach => ONE,
-                Some(_) => MIXED,
-            };
-            if let Some(value) = constant(*kind) {
-                row.fill(value);
-                continue;
-            }
-            edges.clear();
-            for (start, end) in runs {
-                edges.extend([start - x0, end - x0]);
-            }
-            self.x.convolve(simd, edges, row);
         }
     }
 }
@@ -368,6 +344,64 @@ fn lanes<S: Simd>(simd: S, values: &[f32], group: usize) -> f32x16<S> {
     f32x16::from_slice(simd, &values[group * LANES..][..LANES])
 }
 
+/// A kernel along x.
+#[derive(Debug)]
+struct RowKernel {
+    step: StepResponse,
+    /// From the centre outward, for amounts that are no runs of ones; and where in a row of them a voxel's neighbours begin, from the farthest
+    /// before on.
+    taps: Vec<f32>,
+    starts: Vec<usize>,
+}
+
+impl RowKernel {
+    fn new(kernel: &GaussianKernel) -> Self {
+        let starts = (0..=2 * kernel.radius()).collect();
+        Self { step: StepResponse::new(kernel), taps: half_taps(kernel), starts }
+    }
+
+    fn radius(&self) -> i64 {
+        self.step.radius
+    }
+
+    /// Rows of slice z convolved along x, from the one at y0 on, each from x0 on.
+    #[inline(always)]
+    fn convolve_rows<S: Simd>(
+        &self,
+        simd: S,
+        indicator: &dyn Indicator,
+        [x0, y0, z]: [i64; 3],
+        (row, amounts): (&mut Row, &mut Vec<f32>),
+        rows: &mut Rows,
+    ) {
+        let nx = rows.values.len() / rows.kinds.len();
+        let span = (x0 - self.radius(), x0 + nx as i64 + self.radius());
+        for ((y, out), kind) in (y0..).zip(rows.values.chunks_exact_mut(nx)).zip(&mut rows.kinds) {
+            row.clear(span);
+            indicator.read_row(y, z, row);
+            *kind = match row.uniform() {
+                Some(false) => ZERO,
+                Some(true) => ONE,
+                None => MIXED,
+            };
+            if let Some(value) = constant(*kind) {
+                out.fill(value);
+                continue;
+            }
+            self.step.convolve(simd, row.edges(), x0, out);
+            if !row.amounts().is_empty() {
+                amounts.resize(nx, 0.0);
+                let terms =
+                    Terms { taps: &self.taps, values: row.amounts(), starts: &self.starts, minuend: None };
+                convolve(simd, terms, [MIXED, ZERO], [&mut *amounts, &mut []]);
+                for (value, amount) in out.iter_mut().zip(amounts.iter()) {
+                    *value += amount;
+                }
+            }
+        }
+    }
+}
+
 /// What a kernel makes of the start of a run of ones without end.
 #[derive(Debug)]
 struct StepResponse {
@@ -388,13 +422,13 @@ impl StepResponse {
         Self { radius: kernel.radius() as i64, rise }
     }
 
-    /// A row as the convolution of the runs that start and end at `edges`, in turn, counted from the row's first voxel. They ascend:
+    /// A row as the convolution of the runs that start and end at `edges`, in turn; the row begins at `x0`. They ascend:
     /// then those that ended out of reach leave exactly 0, and a value does not depend on where the row starts.
     #[inline(always)]
-    fn convolve<S: Simd>(&self, simd: S, edges: &[i64], row: &mut [f32]) {
+    fn convolve<S: Simd>(&self, simd: S, edges: &[i64], x0: i64, row: &mut [f32]) {
         let last = (self.rise.len() - LANES) as i64;
         for (group, out) in row.chunks_exact_mut(LANES).enumerate() {
-            let place = (group * LANES) as i64 + self.radius + LANES as i64;
+            let place = x0 + (group * LANES) as i64 + self.radius + LANES as i64;
             let mut sum = f32x16::splat(simd, 0.0);
             for run in edges.chunks_exact(2) {
                 let rise = |edge: i64| (place - edge).clamp(0, last) as usize;
@@ -409,7 +443,7 @@ impl StepResponse {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::volume::Grid;
+    use crate::volume::{Grid, Mask};
 
     fn noise(dimensions: [usize; 3]) -> Mask {
         let grid = Grid::axis_aligned(dimensions, [1.0; 3]).unwrap();

@@ -3,9 +3,8 @@
 use super::blur::Blur;
 use super::point_kernel::{PointDerivatives, PointKernel};
 use super::separable::{Orders, Separable};
-use super::{EdgeProfile, Embedding};
+use super::{EdgeProfile, Embedding, Indicator};
 use crate::tiling::{Block, IndexBox, Pool};
-use crate::volume::Mask;
 use std::sync::OnceLock;
 
 /// phi = T - G_sigma * I, with I the indicator of the object (Besler et al., the "proposed embedding"), or a combination of two such blurs
@@ -15,7 +14,7 @@ use std::sync::OnceLock;
 /// object and its gaps are wider than about 3 sigma; thinner parts shrink or vanish.
 #[derive(Debug)]
 pub struct GaussianEmbedding<'a> {
-    mask: &'a Mask,
+    indicator: &'a dyn Indicator,
     sigma: f64,
     level: f64,
     terms: Vec<Term>,
@@ -36,9 +35,9 @@ struct Term {
 }
 
 impl<'a> GaussianEmbedding<'a> {
-    /// The embedding of a mask with sigma in mm and level T; kernels are cut at `truncation` sigma.
-    pub fn new(mask: &'a Mask, sigma: f64, level: f64, truncation: f64) -> Self {
-        Self::of_profile(mask, &EdgeProfile::blurred(sigma), level, truncation)
+    /// The embedding of an object with sigma in mm and level T; kernels are cut at `truncation` sigma.
+    pub fn new(indicator: &'a dyn Indicator, sigma: f64, level: f64, truncation: f64) -> Self {
+        Self::of_profile(indicator, &EdgeProfile::blurred(sigma), level, truncation)
     }
 
     /// The embedding without the leading shift of its zero level, at level 0.5: phi - sigma d phi / d sigma, which is
@@ -47,12 +46,17 @@ impl<'a> GaussianEmbedding<'a> {
     /// At a curved surface the blurred indicator is off 1/2 by a series in odd powers of sigma, whose first term this cancels. So the zero level
     /// stands where the object's surface was, up to sigma^4 (on a ball up to exp(-2 R^2 / sigma^2)), and curvature there is the object's.
     /// Noise is 2.6 times that of the plain blur of the same sigma, wherefore sigma should be larger.
-    pub fn corrected(mask: &'a Mask, sigma: f64, truncation: f64) -> Self {
-        Self::of_profile(mask, &EdgeProfile::corrected(sigma), 0.5, truncation)
+    pub fn corrected(indicator: &'a dyn Indicator, sigma: f64, truncation: f64) -> Self {
+        Self::of_profile(indicator, &EdgeProfile::corrected(sigma), 0.5, truncation)
     }
 
-    pub(crate) fn of_profile(mask: &'a Mask, profile: &EdgeProfile, level: f64, truncation: f64) -> Self {
-        let spacing = mask.grid().spacing().mm();
+    pub(crate) fn of_profile(
+        indicator: &'a dyn Indicator,
+        profile: &EdgeProfile,
+        level: f64,
+        truncation: f64,
+    ) -> Self {
+        let spacing = indicator.grid().spacing().mm();
         let term = |&(weight, sigma): &(f64, f64)| Term {
             weight,
             sigma,
@@ -62,12 +66,12 @@ impl<'a> GaussianEmbedding<'a> {
             at_points: OnceLock::new(),
         };
         let terms = profile.terms().iter().map(term).collect();
-        Self { mask, sigma: profile.sigma(), level, terms, work: Pool::default() }
+        Self { indicator, sigma: profile.sigma(), level, terms, work: Pool::default() }
     }
 
     /// The object.
-    pub fn mask(&self) -> &'a Mask {
-        self.mask
+    pub fn indicator(&self) -> &'a dyn Indicator {
+        self.indicator
     }
 
     /// Standard deviation of the (first) blur, mm.
@@ -86,7 +90,7 @@ impl<'a> GaussianEmbedding<'a> {
         for term in &self.terms {
             let kernel =
                 term.at_points.get_or_init(|| PointKernel::new(term.sigma, self.spacing(), term.truncation));
-            let found = kernel.convolve(self.mask, point);
+            let found = kernel.convolve(self.indicator, point);
             total.iter_mut().zip(found).for_each(|(sum, value)| *sum += term.weight * value);
         }
         total
@@ -106,11 +110,11 @@ impl<'a> GaussianEmbedding<'a> {
             .map(|term| {
                 let mut slices = Vec::new();
                 let keep = |_, planes: &[Vec<f32>]| slices.push(planes.to_vec());
-                self.convolution(term).for_each_slice(self.mask, region, orders, keep);
+                self.convolution(term).for_each_slice(self.indicator, region, orders, keep);
                 slices
             })
             .collect();
-        self.convolution(first).for_each_slice(self.mask, region, orders, |z, planes| {
+        self.convolution(first).for_each_slice(self.indicator, region, orders, |z, planes| {
             if others.is_empty() {
                 return visit(z, planes);
             }
@@ -136,7 +140,7 @@ impl<'a> GaussianEmbedding<'a> {
     }
 
     fn spacing(&self) -> [f64; 3] {
-        self.mask.grid().spacing().mm()
+        self.indicator.grid().spacing().mm()
     }
 
     /// How far the widest blur reaches.
@@ -152,7 +156,7 @@ impl Embedding for GaussianEmbedding<'_> {
     type Value = f32;
 
     fn support(&self, _half_width: f64) -> IndexBox {
-        self.mask.bounds().grown(self.reach())
+        self.indicator.bounds().grown(self.reach())
     }
 
     fn halo(&self, _half_width: f64) -> [i64; 3] {
@@ -163,13 +167,13 @@ impl Embedding for GaussianEmbedding<'_> {
         let level = self.level as f32;
         let mut phi = Block::reusing(storage, *region, level);
         let [first, others @ ..] = self.terms.as_slice() else { return phi };
-        first.blur.subtract_from(level, self.mask, region, phi.values_mut());
+        first.blur.subtract_from(level, self.indicator, region, phi.values_mut());
         for other in others {
             // Weights add up to 1: sums of differences from one field leave constants exact.
             let weight = (1.0 - other.weight) as f32;
             self.work.with(|field| {
                 field.resize(region.voxels(), 0.0);
-                other.blur.subtract_from(level, self.mask, region, field);
+                other.blur.subtract_from(level, self.indicator, region, field);
                 for (phi, &other) in phi.values_mut().iter_mut().zip(field.iter()) {
                     *phi = other + weight * (*phi - other);
                 }
@@ -179,7 +183,7 @@ impl Embedding for GaussianEmbedding<'_> {
     }
 
     fn constant_on(&self, region: &IndexBox, _half_width: f64) -> Option<f64> {
-        let inside = self.mask.uniform_in(&region.grown(self.reach()))?;
+        let inside = self.indicator.uniform_in(&region.grown(self.reach()))?;
         Some(if inside { self.level - 1.0 } else { self.level })
     }
 }
@@ -187,7 +191,7 @@ impl Embedding for GaussianEmbedding<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::volume::Grid;
+    use crate::volume::{Grid, Mask};
 
     /// A half space is blurred to an error function along every axis, anisotropic or not. Its face lies half-way
     /// between voxel centres, where a sum of samples is the midpoint rule: its known error, h^2/24 times the slope of

@@ -136,14 +136,20 @@ impl CumulativeKernel {
         self.sums[b as usize] - self.sums[a as usize]
     }
 
-    /// Adds to `row`, whose first voxel is `x0`, the convolution of a run of ones [a, b).
-    pub(crate) fn add_run(&self, row: &mut [f64], x0: i64, (a, b): (i64, i64)) {
+    /// Taps on each side of the centre.
+    pub(crate) fn radius(&self) -> i64 {
+        self.radius
+    }
+
+    /// Adds to `row`, whose first voxel is `x0`, the convolution of a run [a, b) of voxels with the same value.
+    pub(crate) fn add_run(&self, row: &mut [f64], x0: i64, (a, b): (i64, i64), value: f64) {
         let end = x0 + row.len() as i64;
         let last = self.sums.len() as i64 - 1;
         let sum_at = |k: i64| self.sums[k.clamp(0, last) as usize];
         for x in (a - self.radius).max(x0)..(b + self.radius).min(end) {
             // Taps at offsets x - b + 1 ..= x - a, and the tap at offset d is number d + radius.
-            row[(x - x0) as usize] += sum_at(x - a + 1 + self.radius) - sum_at(x - b + 1 + self.radius);
+            let share = sum_at(x - a + 1 + self.radius) - sum_at(x - b + 1 + self.radius);
+            row[(x - x0) as usize] += value * share;
         }
     }
 }
@@ -181,7 +187,7 @@ mod tests {
             let kernel = GaussianKernel::new(1.7, 1.0, order, TRUNCATION);
             let r = kernel.radius() as i64;
             let mut row = vec![0.0; 40];
-            CumulativeKernel::new(&kernel, order).add_run(&mut row, -5, (3, 21));
+            CumulativeKernel::new(&kernel, order).add_run(&mut row, -5, (3, 21), 1.0);
             for (i, &value) in row.iter().enumerate() {
                 let x = i as i64 - 5;
                 let direct: f64 =

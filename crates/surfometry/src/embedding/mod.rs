@@ -1,18 +1,23 @@
 //! From an object to a field phi whose zero level set is its surface, negative inside.
 
 mod blur;
+mod corrected_mask;
 mod distance;
 mod edge_profile;
 mod gaussian;
 mod given;
+mod indicator;
 mod kernel;
 mod point_kernel;
 mod precision;
+mod probability;
 mod separable;
 
+pub use corrected_mask::CorrectedMask;
 pub use distance::DistanceEmbedding;
 pub use edge_profile::EdgeProfile;
 pub use gaussian::GaussianEmbedding;
+pub use indicator::{Indicator, Row};
 pub use kernel::{GaussianKernel, TRUNCATION, TRUNCATION_OF_BLUR};
 pub use precision::Precision;
 

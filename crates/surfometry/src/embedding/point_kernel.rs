@@ -1,7 +1,7 @@
 //! The blurred indicator and its derivatives at a point off the grid.
 
 use super::kernel::{CumulativeKernel, Samples, WHOLE};
-use crate::volume::Mask;
+use super::{Indicator, Row};
 
 /// Taps of orders 0 to 2 around a fractional position on one axis.
 struct AxisTaps {
@@ -59,7 +59,7 @@ impl AxisBell {
     }
 }
 
-/// Convolves a mask with the products of Gaussian derivatives, centred at any point.
+/// Convolves an indicator with the products of Gaussian derivatives, centred at any point.
 #[derive(Debug)]
 pub(crate) struct PointKernel {
     axes: [AxisBell; 3],
@@ -74,19 +74,27 @@ impl PointKernel {
     }
 
     /// The blurred indicator and its derivatives, in mm, at a fractional voxel index.
-    pub(crate) fn convolve(&self, mask: &Mask, point: [f64; 3]) -> PointDerivatives {
+    pub(crate) fn convolve(&self, indicator: &dyn Indicator, point: [f64; 3]) -> PointDerivatives {
         let [x, y, z]: [AxisTaps; 3] = std::array::from_fn(|a| self.axes[a].taps_at(point[a]));
         let sums = [0, 1, 2].map(|order| CumulativeKernel::of_taps(&x.orders[order], order));
-        let end = x.first + x.orders[0].len() as i64;
+        let span = (x.first, x.first + x.orders[0].len() as i64);
+        let mut voxels = Row::default();
         let mut total = [0.0; 10];
         for (row_z, slice) in (z.first..).zip(0..z.orders[0].len()) {
             // By order along x and y: 00, 10, 20, 01, 11, 02.
             let mut plane = [0.0; 6];
             for (row_y, line) in (y.first..).zip(0..y.orders[0].len()) {
                 let mut row = [0.0; 3];
-                for (from, to) in mask.runs_within(row_y, row_z, (x.first, end)) {
+                voxels.clear(span);
+                indicator.read_row(row_y, row_z, &mut voxels);
+                for (from, to) in voxels.runs() {
                     for (value, sum) in row.iter_mut().zip(&sums) {
                         *value += sum.between(from - x.first, to - x.first);
+                    }
+                }
+                for (value, taps) in row.iter_mut().zip(&x.orders) {
+                    for (&amount, tap) in voxels.amounts().iter().zip(taps) {
+                        *value += f64::from(amount) * tap;
                     }
                 }
                 let [y0, y1, y2] = [0, 1, 2].map(|order| y.orders[order][line]);

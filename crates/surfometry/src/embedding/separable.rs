@@ -1,8 +1,8 @@
-//! Convolution of a mask with products of one-dimensional Gaussian kernels, a box at a time.
+//! Convolution of an indicator with products of one-dimensional Gaussian kernels, a box at a time.
 
 use super::kernel::{CumulativeKernel, GaussianKernel};
+use super::{Indicator, Row};
 use crate::tiling::IndexBox;
-use crate::volume::Mask;
 
 /// Derivative orders along x, y, z.
 pub(crate) type Orders = [usize; 3];
@@ -37,11 +37,11 @@ impl Separable {
         }
     }
 
-    /// Convolves the mask on a box with the kernels of each of `orders`; `visit` gets each slice z in turn with one
+    /// Convolves an indicator on a box with the kernels of each of `orders`; `visit` gets each slice z in turn with one
     /// plane of values (x fastest) for each of the orders.
     pub(crate) fn for_each_slice(
         &self,
-        mask: &Mask,
+        indicator: &dyn Indicator,
         region: &IndexBox,
         orders: &[Orders],
         mut visit: impl FnMut(i64, &[Vec<f32>]),
@@ -49,7 +49,7 @@ impl Separable {
         let mut pairs: Vec<[usize; 2]> = orders.iter().map(|o| [o[0], o[1]]).collect();
         pairs.sort_unstable();
         pairs.dedup();
-        let stacks = self.xy_stacks(mask, region, &pairs);
+        let stacks = self.xy_stacks(indicator, region, &pairs);
         let stack_of =
             |o: &Orders| pairs.iter().position(|p| *p == [o[0], o[1]]).expect("every pair is listed");
         let [nx, ny, _] = region.extent();
@@ -64,13 +64,13 @@ impl Separable {
         }
     }
 
-    fn xy_stacks(&self, mask: &Mask, region: &IndexBox, pairs: &[[usize; 2]]) -> Vec<XyStack> {
-        let needed = region.grown(self.halo).intersection(&mask.bounds());
+    fn xy_stacks(&self, indicator: &dyn Indicator, region: &IndexBox, pairs: &[[usize; 2]]) -> Vec<XyStack> {
+        let needed = region.grown(self.halo).intersection(&indicator.bounds());
         let mut stacks: Vec<XyStack> =
             pairs.iter().map(|_| XyStack { first_slice: needed.lower[2], slices: Vec::new() }).collect();
         let orders_x = pairs.last().map_or(0, |pair| pair[0]);
         for z in needed.lower[2]..needed.upper[2] {
-            let rows: Vec<_> = (0..=orders_x).map(|order| self.x_pass(mask, region, order, z)).collect();
+            let rows: Vec<_> = (0..=orders_x).map(|order| self.x_pass(indicator, region, order, z)).collect();
             for (stack, [order_x, order_y]) in stacks.iter_mut().zip(pairs) {
                 stack.slices.push(self.y_pass(&rows[*order_x], region, *order_y));
             }
@@ -78,18 +78,24 @@ impl Separable {
         stacks
     }
 
-    /// Rows y - halo .. y + halo of slice z convolved along x; empty where a row has no inside voxel.
-    fn x_pass(&self, mask: &Mask, region: &IndexBox, order: usize, z: i64) -> Vec<Vec<f32>> {
+    /// Rows y - halo .. y + halo of slice z convolved along x; empty where a row holds nothing within reach.
+    fn x_pass(&self, indicator: &dyn Indicator, region: &IndexBox, order: usize, z: i64) -> Vec<Vec<f32>> {
         let (x0, nx) = (region.lower[0], region.extent()[0]);
-        let mut sums = vec![0.0; nx];
+        let kernel = &self.x[order];
+        let span = (x0 - kernel.radius(), x0 + nx as i64 + kernel.radius());
+        let (mut sums, mut row) = (vec![0.0; nx], Row::default());
         let rows = (region.lower[1] - self.halo[1])..(region.upper[1] + self.halo[1]);
         rows.map(|y| {
-            let mut runs = mask.runs(y, z).peekable();
-            if runs.peek().is_none() {
+            row.clear(span);
+            indicator.read_row(y, z, &mut row);
+            if row.uniform() == Some(false) {
                 return Vec::new();
             }
             sums.fill(0.0);
-            runs.for_each(|run| self.x[order].add_run(&mut sums, x0, run));
+            row.runs().for_each(|run| kernel.add_run(&mut sums, x0, run, 1.0));
+            for (x, &amount) in (span.0..).zip(row.amounts()).filter(|(_, amount)| **amount != 0.0) {
+                kernel.add_run(&mut sums, x0, (x, x + 1), f64::from(amount));
+            }
             sums.iter().map(|&v| v as f32).collect()
         })
         .collect()
@@ -107,7 +113,7 @@ impl Separable {
 }
 
 impl XyStack {
-    /// Slice z, empty where the mask has none.
+    /// Slice z, empty where the indicator has none.
     fn slice(&self, z: i64) -> &[f32] {
         let number = z - self.first_slice;
         usize::try_from(number).ok().and_then(|n| self.slices.get(n)).map_or(&[], Vec::as_slice)

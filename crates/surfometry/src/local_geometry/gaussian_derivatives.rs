@@ -75,7 +75,7 @@ impl<'a> Differentiation for GaussianDerivatives<'a> {
     /// voxel, so that a Gaussian's samples depend on where between the voxels they are taken.
     fn jets_at(&self, _field: &Block<f32>, points: &[[f64; 3]]) -> Vec<Jet> {
         let sigma = self.embedding.sigma();
-        let spacing = self.embedding.mask().grid().spacing();
+        let spacing = self.embedding.indicator().grid().spacing();
         if sigma > WIDE * spacing.largest() || sigma < NARROW * spacing.largest() {
             self.interpolated(points)
         } else {

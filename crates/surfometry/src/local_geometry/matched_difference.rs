@@ -29,7 +29,7 @@ const REACH: i64 = SIDE as i64 + 1;
 impl<'a> MatchedDifferences<'a> {
     /// Differences of an embedding.
     pub fn new(embedding: GaussianEmbedding<'a>) -> Self {
-        let weights = matched_weights(embedding.sigma(), embedding.mask().grid().spacing().mm());
+        let weights = matched_weights(embedding.sigma(), embedding.indicator().grid().spacing().mm());
         Self::with_weights(embedding, weights)
     }
 
@@ -82,7 +82,7 @@ impl<'a> Differentiation for MatchedDifferences<'a> {
     }
 
     fn jets_at(&self, field: &Block<f32>, points: &[[f64; 3]]) -> Vec<Jet> {
-        let (sigma, spacing) = (self.embedding.sigma(), self.embedding.mask().grid().spacing().mm());
+        let (sigma, spacing) = (self.embedding.sigma(), self.embedding.indicator().grid().spacing().mm());
         let between = self.between.get_or_init(|| spacing.map(|h| PointWeights::new(sigma, h)));
         dispatch!(Level::new(), simd => point_jets(simd, field, between, points))
     }

@@ -89,6 +89,28 @@ pub enum VolumeError {
         /// The value.
         value: f64,
     },
+    /// A voxel of a soft segmentation is no probability.
+    #[error(
+        "voxel {index:?} is {value}: a soft segmentation has values from 0 to 1; where they are 0..255 or percent divide them first, and \
+         where they are labels or a level set choose another embedding"
+    )]
+    NotAProbability {
+        /// Image index, x first.
+        index: [usize; 3],
+        /// The value.
+        value: f64,
+    },
+    /// No voxel of a soft segmentation exceeds the level.
+    #[error(
+        "no value exceeds the level {level}, the largest is {highest:.4}, so nothing lies inside; choose a lower level, or check that this is \
+         the segmentation of the object"
+    )]
+    NothingAbove {
+        /// T.
+        level: f64,
+        /// Largest value.
+        highest: f64,
+    },
     /// A voxel of a label image is not a whole number.
     #[error(
         "voxel {index:?} is {value}, not a whole number, so this is no label image; threshold it first, or, if it is a \
