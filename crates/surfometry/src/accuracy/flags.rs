@@ -53,6 +53,8 @@ pub enum FlagCode {
     CorrectedBand,
     /// The gradient collapses at band voxels.
     VanishingGradient,
+    /// The edges of a soft segmentation are softer than voxels make them.
+    SofterThanVoxels,
     /// The surface leaves a given field through the image's edge.
     SurfaceLeavesField,
     /// The phantom's exact integrals could not be had.
@@ -109,7 +111,7 @@ pub struct Evidence {
     pub epsilon: f64,
     /// Smallest |phi| at which the field saturates.
     pub saturation: f64,
-    /// Volume by counting voxels, mm^3.
+    /// Volume by counting voxels, or by adding up what a soft segmentation says of them, mm^3.
     pub voxel_volume: f64,
     /// Exact Euler characteristic of the voxels' surface.
     pub voxel_euler: i64,

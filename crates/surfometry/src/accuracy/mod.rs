@@ -5,6 +5,7 @@ mod curvature_scale;
 mod flags;
 mod local_errors;
 mod scale;
+mod soft_edges;
 mod terraces;
 mod uncertainty;
 
@@ -17,5 +18,6 @@ pub use scale::{
     AUTO_SIGMA_SPACINGS, AUTO_THICKNESS_SPACINGS, auto_sigma, auto_thickness, auto_thickness_of_blur,
     band_variance, epsilon_of_blur, thickness_of_blur,
 };
+pub use soft_edges::SoftEdges;
 pub use terraces::Terraces;
 pub use uncertainty::{ErrorModel, IntegralErrors};

@@ -6,6 +6,7 @@ mod local_curvature;
 mod object;
 mod parameters;
 mod pass;
+mod probability;
 mod result;
 mod scheme;
 mod setup;

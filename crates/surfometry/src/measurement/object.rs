@@ -5,11 +5,12 @@ use super::pass::{ObjectSums, Pass};
 use super::scheme::Scheme;
 use super::setup::{OpenPart, Setup, Totals};
 use super::{EmbeddingKind, MeasureError, Measured, Measurement, Parameters, SurfaceValues};
+use crate::embedding::Indicator;
 use crate::integrals::{Band, Integrals, Quadrature, SmearedDelta};
 use crate::local_geometry::{FiniteDifferences, MINIMUM_POINTS};
 use crate::surface::{Surface, VertexExtras};
 use crate::tiling::IndexBox;
-use crate::volume::{FieldImage, Grid, Mask, Shared, VolumeError};
+use crate::volume::{FieldImage, Grid, Mask, ProbabilityImage, Shared, VolumeError};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -26,21 +27,23 @@ use std::time::{Duration, Instant};
 /// ```
 #[derive(Debug, Clone)]
 pub struct Object {
-    mask: Arc<Mask>,
+    pub(super) mask: Arc<Mask>,
     pub(super) setup: Setup,
-    content: Content,
+    pub(super) content: Content,
     /// Where it is measured, where the image cuts it and that is left out.
     pub(super) part: Option<MeasuredPart>,
-    preparation: Duration,
+    pub(super) preparation: Duration,
 }
 
 /// What an object's field is made of.
 #[derive(Debug, Clone)]
-enum Content {
+pub(super) enum Content {
     /// The blur is known to leave nothing.
     Nothing,
     /// Voxels: the object's, or those of the object continued beyond the edge of its image.
     Mask(Arc<Mask>),
+    /// A soft segmentation.
+    Probability(Arc<ProbabilityImage>),
     /// The field itself.
     Field(Arc<FieldImage>),
 }
@@ -108,6 +111,7 @@ impl Measurement {
             weights: None,
             errors: None,
             terraces: None,
+            soft: None,
         };
         let (mask, content) = (Arc::new(mask), Content::Field(field));
         Ok(Object { mask, setup, content, part: None, preparation: start.elapsed() })
@@ -115,7 +119,7 @@ impl Measurement {
 }
 
 impl Object {
-    /// The voxels: of a field, those where it is negative.
+    /// The voxels: of a field, those where it is negative; of a soft segmentation, those whose values exceed the level.
     pub fn mask(&self) -> &Mask {
         &self.mask
     }
@@ -135,6 +139,7 @@ impl Object {
         match &self.content {
             Content::Nothing => None,
             Content::Mask(mask) => Some(Scheme::of_part(&self.setup, mask)),
+            Content::Probability(image) => Scheme::of_blur(&self.setup, &**image),
             Content::Field(field) => {
                 Some(Scheme::Given(FiniteDifferences::new(field, self.grid().spacing().mm())))
             }
@@ -157,10 +162,14 @@ impl Object {
     /// The surface phi = 0 with the geometry at its vertices; empty where the blur left nothing.
     pub fn surface(&self) -> Surface {
         let Some(scheme) = self.scheme() else { return Surface::default() };
-        let (parameters, mask) = (self.setup.parameters, &*self.mask);
+        let parameters = self.setup.parameters;
         let uncorrected = Setup { parameters: parameters.uncorrected(), ..self.setup.clone() };
-        let plain =
-            (parameters.embedding == EmbeddingKind::Corrected).then(|| Scheme::of_part(&uncorrected, mask));
+        let indicator: &dyn Indicator = match &self.content {
+            Content::Probability(image) => &**image,
+            _ => &*self.mask,
+        };
+        let is_corrected = parameters.embedding == EmbeddingKind::Corrected;
+        let plain = is_corrected.then(|| Scheme::of_blur(&uncorrected, indicator)).flatten();
         let plain_jets =
             |points: &[[f64; 3]]| plain.as_ref().map(|plain| plain.jets(points)).unwrap_or_default();
         let kind = match parameters.sigma_mm {
@@ -209,7 +218,11 @@ impl Object {
     pub fn measure_at(&self, sigmas: &[f64]) -> Vec<Measured> {
         let counted = self.counted();
         let measured = |&sigma: &f64| {
-            let object = self.setup.measurement.sigma_mm(sigma).prepare(&self.mask);
+            let measurement = self.setup.measurement.sigma_mm(sigma);
+            let object = match &self.content {
+                Content::Probability(image) => measurement.prepare_probability(image),
+                _ => measurement.prepare(&self.mask),
+            };
             object.ok().map(|object| object.measure_counted(counted.clone()))
         };
         sigmas.iter().filter_map(measured).collect()

@@ -24,6 +24,8 @@ pub enum EmbeddingKind {
     Distance,
     /// Signed distance that is 0 on the object's boundary voxels, as ITK's: half a voxel inside.
     DistanceToVoxels,
+    /// The blurred values of a soft segmentation.
+    Probability,
     /// The input is the field.
     Given,
 }
@@ -33,13 +35,14 @@ choices!(EmbeddingKind, "embedding": {
     Corrected = "corrected": "Two blurs combined so that the surface does not move: local curvature of the original object",
     Distance = "distance": "Signed distance to the voxel faces: the baseline that the paper rejects",
     DistanceToVoxels = "distance-to-voxels": "Signed distance that is zero on the boundary voxels, as ITK's: its surface lies half a voxel inside",
+    Probability = "probability": "The input is a soft segmentation, values from 0 to 1, which is blurred",
     Given = "given": "The input is a field phi, negative inside",
 });
 
 impl EmbeddingKind {
     /// Whether the field is made by blurring.
     pub fn is_blur(self) -> bool {
-        matches!(self, Self::Gaussian | Self::Corrected)
+        matches!(self, Self::Gaussian | Self::Corrected | Self::Probability)
     }
 
     /// Whether the field is a distance to the mask.
@@ -176,7 +179,7 @@ impl Parameters {
     pub(super) fn resolve(m: &Measurement, spacing: Spacing) -> Result<Self, MeasureError> {
         m.check()?;
         match m.embedding {
-            EmbeddingKind::Gaussian | EmbeddingKind::Corrected => Self::of_blur(m, spacing),
+            kind if kind.is_blur() => Self::of_blur(m, spacing),
             kind => Ok(Self::without_blur(m, spacing, kind)),
         }
     }

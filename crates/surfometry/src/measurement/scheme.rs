@@ -4,7 +4,8 @@ use super::pass::{ObjectSums, Pass};
 use super::setup::Setup;
 use super::{Derivatives, EmbeddingKind, MeasureError, Parameters};
 use crate::embedding::{
-    DistanceEmbedding, Embedding, GaussianEmbedding, GaussianKernel, TRUNCATION, TRUNCATION_OF_BLUR,
+    DistanceEmbedding, EdgeProfile, Embedding, GaussianEmbedding, GaussianKernel, Indicator, TRUNCATION,
+    TRUNCATION_OF_BLUR,
 };
 use crate::integrals::Band;
 use crate::local_geometry::{
@@ -12,7 +13,7 @@ use crate::local_geometry::{
 };
 use crate::surface::{Surface, VertexExtras, cell_limits};
 use crate::tiling::IndexBox;
-use crate::volume::{FieldImage, Grid, Mask};
+use crate::volume::{FieldImage, Grid, Mask, ProbabilityImage};
 
 /// Largest sigma in voxels: the kernels' reach, five times that, is what a tile needs around it.
 const MOST_SIGMA_VOXELS: f64 = 400.0;
@@ -46,12 +47,17 @@ pub(super) use with_scheme;
 impl<'a> Scheme<'a> {
     /// Of a mask; `None` where the blur is known to leave nothing.
     pub(super) fn of_mask(setup: &Setup, mask: &'a Mask) -> Result<Option<Self>, MeasureError> {
-        // A hair below the level, for what rounding adds.
-        if is_below(setup, mask, setup.parameters.level_or_half() * (1.0 - 1e-6)) {
-            return Ok(None);
-        }
-        Self::check_reach(setup)?;
-        Ok(Some(Self::of_part(setup, mask)))
+        let survives = may_survive(setup, &mask.bounds(), || mask.voxels() as f64)?;
+        Ok(survives.then(|| Self::of_part(setup, mask)))
+    }
+
+    /// Of a soft segmentation; `None` where the blur is known to leave nothing.
+    pub(super) fn of_probability(
+        setup: &Setup,
+        image: &'a ProbabilityImage,
+    ) -> Result<Option<Self>, MeasureError> {
+        let survives = may_survive(setup, &image.bounds(), || image.sum(|p| p))?;
+        Ok(Self::of_blur(setup, image).filter(|_| survives))
     }
 
     /// Refuses a blur or band that reaches over too many voxels.
@@ -65,28 +71,29 @@ impl<'a> Scheme<'a> {
 
     /// Of a mask that may be a part of the object.
     pub(super) fn of_part(setup: &Setup, mask: &'a Mask) -> Self {
-        let (parameters, spacing) = (&setup.parameters, setup.grid.spacing().mm());
-        let Some(profile) = parameters.profile() else {
-            let distance = match parameters.embedding {
-                EmbeddingKind::DistanceToVoxels => DistanceEmbedding::to_boundary_voxels(mask),
-                _ => DistanceEmbedding::new(mask),
-            };
-            return Self::Distance(FiniteDifferences::new(distance, spacing));
+        if let Some(blurred) = Self::of_blur(setup, mask) {
+            return blurred;
+        }
+        let distance = match setup.parameters.embedding {
+            EmbeddingKind::DistanceToVoxels => DistanceEmbedding::to_boundary_voxels(mask),
+            _ => DistanceEmbedding::new(mask),
         };
-        let embedding = GaussianEmbedding::of_profile(
-            mask,
-            &profile,
-            setup.parameters.level_or_half(),
-            truncation_of(setup),
-        );
-        match parameters.derivatives {
+        Self::Distance(FiniteDifferences::new(distance, setup.grid.spacing().mm()))
+    }
+
+    /// Of whatever is blurred; `None` of an embedding without a blur.
+    pub(super) fn of_blur(setup: &Setup, indicator: &'a dyn Indicator) -> Option<Self> {
+        let profile = setup.parameters.profile()?;
+        let (level, truncation) = (setup.parameters.level_or_half(), truncation_of(setup));
+        let embedding = GaussianEmbedding::of_profile(indicator, &profile, level, truncation);
+        match setup.parameters.derivatives {
             Derivatives::Gaussian => Self::Gaussian(GaussianDerivatives::new(embedding)),
             Derivatives::Matched => Self::Matched(match setup.weights {
                 Some(weights) => MatchedDifferences::with_weights(embedding, weights),
                 None => MatchedDifferences::new(embedding),
             }),
             Derivatives::FiniteDifference => {
-                Self::GaussianDifferences(FiniteDifferences::new(embedding, spacing))
+                Self::GaussianDifferences(FiniteDifferences::new(embedding, setup.grid.spacing().mm()))
             }
         }
     }
@@ -94,7 +101,7 @@ impl<'a> Scheme<'a> {
     /// Whether the band, and with it the surface, is known to be nowhere.
     pub(super) fn has_no_band(setup: &Setup, mask: &Mask) -> bool {
         let band = setup.parameters.level_or_half() - setup.band.delta().half_width();
-        is_below(setup, mask, band * (1.0 - 1e-6))
+        is_below(setup, &mask.bounds(), || mask.voxels() as f64, band * (1.0 - 1e-6))
     }
 
     /// Slices around some in which an object must be known for what is summed over them.
@@ -141,15 +148,28 @@ fn truncation_of(setup: &Setup) -> f64 {
     })
 }
 
-/// Whether the blurred indicator is known to stay below a value everywhere; without a blur it is not.
+/// Whether a blur may leave something of an object in a box, of which `total` adds up its voxels; one that reaches over too many voxels is refused.
+fn may_survive(
+    setup: &Setup,
+    bounds: &IndexBox,
+    total: impl Fn() -> f64,
+) -> Result<bool, MeasureError> {
+    // A hair below the level, for what rounding adds.
+    if is_below(setup, bounds, total, setup.parameters.level_or_half() * (1.0 - 1e-6)) {
+        return Ok(false);
+    }
+    Scheme::check_reach(setup).map(|()| true)
+}
+
+/// Whether the blurred indicator of an object in a box is known to stay below a value everywhere; without a blur it is not.
 ///
-/// It is at most that of the bounding box, whose maximum is a product over the axes of the largest sum of as many neighbouring taps as the box is wide; and at most
-/// that of all voxels in one place.
-fn is_below(setup: &Setup, mask: &Mask, value: f64) -> bool {
+/// It is at most that of the box, whose maximum is a product over the axes of the largest sum of as many neighbouring taps as the box is wide; and at most
+/// that of all voxels, `total`, in one place.
+fn is_below(setup: &Setup, bounds: &IndexBox, total: impl Fn() -> f64, value: f64) -> bool {
     // From there on samples and the integral differ by less than the hundredth that is added.
     const FINE: f64 = 20.0;
     let Some(sigma) = setup.parameters.sigma_mm else { return false };
-    let spacing = mask.grid().spacing().mm();
+    let spacing = setup.grid.spacing().mm();
     let share = |a: usize, voxels: usize| {
         let width = voxels as f64 * spacing[a];
         if sigma > FINE * spacing[a] {
@@ -160,8 +180,8 @@ fn is_below(setup: &Setup, mask: &Mask, value: f64) -> bool {
     };
     // Of a combination, what is taken off may be nothing.
     let weight = setup.parameters.embedding.profile(sigma).terms()[0].0;
-    let extent = mask.bounds().extent();
+    let extent = bounds.extent();
     let of_box = || (0..3).map(|a| share(a, extent[a])).product::<f64>();
-    let of_voxels = || mask.voxels() as f64 * (0..3).map(|a| share(a, 1)).product::<f64>();
+    let of_voxels = || total() * (0..3).map(|a| share(a, 1)).product::<f64>();
     weight * of_box() < value || weight * of_voxels() < value
 }

@@ -9,15 +9,15 @@ use super::result::{
 use super::voxels::VoxelCounts;
 use super::{Derivatives, EmbeddingKind, MeasureError, Measurement, Parameters};
 use crate::accuracy::{
-    CompensationTerms, ErrorModel, Evidence, Flag, FlagCode, NarrowPlace, Terraces, band_variance,
+    CompensationTerms, ErrorModel, Evidence, Flag, FlagCode, NarrowPlace, SoftEdges, Terraces, band_variance,
     compensation_terms, raise_flags,
 };
 use crate::integrals::{Band, Integrals, Quadrature, QuadratureRule, SmearedDelta};
 use crate::local_geometry::{CentralWeights, matched_weights};
 use crate::surface::SurfaceSummary;
 use crate::topology::TopologyCounter;
-use crate::volume::{Grid, Mask, Spacing};
-use std::f64::consts::TAU;
+use crate::volume::{Grid, Mask, ProbabilityImage, Spacing};
+use std::f64::consts::{FRAC_1_SQRT_2, TAU};
 use std::ops::Range;
 use std::time::{Duration, Instant};
 
@@ -35,6 +35,8 @@ pub(super) struct Setup {
     pub(super) errors: Option<ErrorModel>,
     /// What the blur leaves of the voxels' steps; `None` where errors are.
     pub(super) terraces: Option<Terraces>,
+    /// What is known of the edges of a soft segmentation; `None` of a mask, and of one that holds nothing but zeros and ones.
+    pub(super) soft: Option<SoftEdges>,
 }
 
 /// What was summed over an object, whole or as far as its slices have come.
@@ -66,6 +68,27 @@ impl Setup {
         if measurement.embedding == EmbeddingKind::Given {
             return Err(MeasureError::Conflict("a given embedding is a field, not a mask: use `run_field`"));
         }
+        if measurement.embedding == EmbeddingKind::Probability {
+            return Err(MeasureError::Conflict(
+                "a soft segmentation is an image of values from 0 to 1, not a mask: use `run_probability`",
+            ));
+        }
+        Self::new(measurement, grid)
+    }
+
+    /// For a soft segmentation.
+    pub(super) fn of_probability(
+        measurement: &Measurement,
+        image: &ProbabilityImage,
+    ) -> Result<Self, MeasureError> {
+        let setup = Self::new(&measurement.of_probability(), *image.grid())?;
+        let soft = Some(SoftEdges::of(image)).filter(|edges| !edges.are_hard());
+        // Shares of voxels leave no terraces.
+        let terraces = setup.terraces.filter(|_| soft.is_none());
+        Ok(Self { soft, terraces, ..setup })
+    }
+
+    fn new(measurement: &Measurement, grid: Grid) -> Result<Self, MeasureError> {
         let parameters = Parameters::resolve(measurement, grid.spacing())?;
         let delta = SmearedDelta::new(measurement.delta, parameters.epsilon, parameters.saturation());
         let band = Band::new(delta, parameters.thickness_mm);
@@ -84,6 +107,7 @@ impl Setup {
                 .map(|sigma| matched_weights(sigma, grid.spacing().mm())),
             errors,
             terraces: modelled.map(|(model, profile)| model.terraces(&profile, &delta)),
+            soft: None,
         })
     }
 
@@ -115,6 +139,7 @@ impl Setup {
         let voxels = totals.voxels.summary(&self.grid);
         let compensated_volume = surviving.zip(terms).map(|(plain, terms)| terms.added_to(&plain).volume);
         let cell_volume = self.grid.spacing().cell_volume();
+        let counted_volume = self.soft.map_or(voxels.volume_mm3, |edges| edges.volume);
         let clip = open.map(|open| open.part.summary(cell_volume, &open.boundary));
         let evidence = Evidence {
             spacing: self.grid.spacing(),
@@ -124,7 +149,7 @@ impl Setup {
             thickness: self.parameters.thickness_mm,
             epsilon: self.parameters.epsilon,
             saturation: self.parameters.saturation(),
-            voxel_volume: clip.map_or(voxels.volume_mm3, |clip| clip.voxel_volume_mm3),
+            voxel_volume: clip.map_or(counted_volume, |clip| clip.voxel_volume_mm3),
             voxel_euler: topology.euler_characteristic_26,
             narrow: surviving.map(|plain| self.narrow_places(&plain)).unwrap_or_default(),
             boundary_curvature: open.map(|open| open.boundary.curvature),
@@ -136,10 +161,12 @@ impl Setup {
         let area = surface.map(|integrals| integrals.surface.area);
         let mut flags = self.parameter_flags(totals.voxels.cut_areas(&self.grid), area, clip);
         flags.extend(raise_flags(&evidence));
-        if self.errors.is_none() && surface.is_some() {
+        flags.extend(surface.and_then(|integrals| self.soft?.flag(self.original_area(&integrals))));
+        let errors = surface.and_then(|integrals| self.error_model(&integrals));
+        if errors.is_none() && surface.is_some() {
             flags.push(Flag::new(FlagCode::NotComputed, NO_ERRORS));
         }
-        let noise = self.errors.zip(surface).map(|(model, integrals)| model.grid_noise(&integrals));
+        let noise = errors.zip(surface).map(|(model, integrals)| model.grid_noise(&integrals));
         let terms = terms.filter(|_| !evidence.compensation_failed());
         let blurred = BlurredValues {
             values: blurred_values(surviving, open),
@@ -186,7 +213,8 @@ impl Setup {
         terms: Option<CompensationTerms>,
         euler: Option<i64>,
     ) -> [SurfaceValues; 2] {
-        let modelled = self.errors.zip(blurred).filter(|_| terms.is_some());
+        let model = blurred.and_then(|blurred| self.error_model(&blurred));
+        let modelled = model.zip(blurred).filter(|_| terms.is_some());
         let errors = modelled.map(|(model, blurred)| SurfaceValues::of_errors(&model.compensated(&blurred)));
         let exact = euler.map(|_| 0.0);
         [
@@ -226,13 +254,35 @@ impl Setup {
     ) -> Option<CompensationTerms> {
         let sigma = self.parameters.compensable_sigma()?;
         let integrals = integrals.filter(Integrals::has_surface)?;
-        let variance = band_variance(&self.parameters.profile()?, self.band.delta());
+        let own = self.own_sigma(&integrals);
+        // Of two blurs whose shifts cancel, half of it is left.
+        let sigma = libm::hypot(sigma, if sigma > 0.0 { own } else { own * FRAC_1_SQRT_2 });
+        let profile = self.parameters.embedding.profile(libm::hypot(self.parameters.sigma_mm?, own));
+        let variance = band_variance(&profile, self.band.delta());
         let mut terms = compensation_terms(&integrals, sigma, variance, self.terraces.as_ref());
         if let Some(OpenPart { boundary, .. }) = open {
             terms.shift.area += sigma * sigma * boundary.area;
             terms.shift.mean += sigma * sigma * boundary.mean;
         }
         Some(terms)
+    }
+
+    /// The blur that was in the image before it was blurred, mm; 0 of a mask.
+    fn own_sigma(&self, integrals: &Integrals) -> f64 {
+        self.soft.map_or(0.0, |edges| edges.own_variance(self.original_area(integrals)).sqrt())
+    }
+
+    /// Area before the blur, about.
+    fn original_area(&self, integrals: &Integrals) -> f64 {
+        let (sigma, surface) = (self.parameters.shift_sigma().unwrap_or(0.0), &integrals.surface);
+        surface.area + 2.0 * sigma * sigma * surface.mean_squared
+    }
+
+    /// How far integrals are from exact; `None` where that was not studied.
+    fn error_model(&self, integrals: &Integrals) -> Option<ErrorModel> {
+        let (Some(model), Some(edges)) = (self.errors, self.soft) else { return self.errors };
+        let occupancies = model.of_occupancies(&self.parameters.profile()?, self.band.delta());
+        edges.are_occupancies(self.original_area(integrals)).then_some(occupancies)
     }
 
     fn parameter_flags(
