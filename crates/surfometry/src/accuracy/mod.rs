@@ -4,6 +4,7 @@ mod compensation;
 mod curvature_scale;
 mod flags;
 mod local_errors;
+mod occupancy_noise;
 mod scale;
 mod soft_edges;
 mod terraces;

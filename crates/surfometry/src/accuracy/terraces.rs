@@ -49,43 +49,73 @@ fn square_slope(profile: &EdgeProfile, lattice: f64) -> f64 {
 /// angle 1 / (4 pi^2 sigma^2 xi^2) in which the wave is seen, with D the delta's spectrum across the edge. As the wave is as high as the delta is far from
 /// uniform, harmonics count, by [`HARMONICS`].
 fn sampling_excess(spacing: Spacing, profile: &EdgeProfile, delta: &SmearedDelta) -> f64 {
-    let half = profile.distance_of(delta.half_width().min(profile.value(6.0 * profile.sigma())));
-    let h = spacing.mm();
-    // What thinner bands miss or hit is chance, which is flagged (`thickness-below-spacing`); and frequencies without end would take as long to sum.
-    let highest = HIGHEST / (2.0 * half).max(spacing.smallest()).max(THINNEST * spacing.largest());
-    let reach = h.map(|h| (highest * h).floor() as i64);
+    let sampled = SampledDelta::new(spacing, profile, delta);
     let mut excess = 0.0;
-    for k in -reach[2]..=reach[2] {
-        for j in -reach[1]..=reach[1] {
-            for i in -reach[0]..=reach[0] {
-                // One of xi and -xi; its multiples are the harmonics.
-                if !is_primitive([i, j, k]) || [i, j, k] < [0, 0, 0] {
-                    continue;
-                }
-                let frequency = (0..3).map(|a| ([i, j, k][a] as f64 / h[a]).powi(2)).sum::<f64>().sqrt();
-                let angle = 1.0 / (2.0 * PI * profile.sigma() * frequency).powi(2);
-                for (harmonic, constant) in (1..).map(|m| f64::from(m) * frequency).zip(HARMONICS) {
-                    if harmonic <= highest {
-                        excess += 2.0 * constant * angle * spectrum(profile, delta, half, harmonic);
-                    }
-                }
-            }
+    for frequency in sampled.frequencies() {
+        let angle = 1.0 / (2.0 * PI * profile.sigma() * frequency).powi(2);
+        for (harmonic, constant) in sampled.harmonics(frequency).zip(HARMONICS) {
+            // A wave's change of height across the band, to first order in 1 / (2 pi sigma xi).
+            let lean = 1.0 / (2.0 * PI * harmonic * profile.sigma().powi(2));
+            excess += 2.0 * constant * angle * sampled.spectrum(harmonic, lean);
         }
     }
     excess
 }
 
-/// D: the delta across the edge at a frequency, with what a wave's change of height across the band adds (to first order in 1 / (2 pi sigma xi)).
-fn spectrum(profile: &EdgeProfile, delta: &SmearedDelta, half: f64, frequency: f64) -> f64 {
-    const STEPS: i32 = 32;
-    let step = half / f64::from(STEPS);
-    let turn = 2.0 * PI * frequency;
-    let lean = 1.0 / (turn * profile.sigma().powi(2));
-    let at = |v: f64| {
-        let wave = libm::cos(turn * v) + lean * v * libm::sin(turn * v);
-        delta.delta(profile.value(v)) * profile.slope(v) * wave
-    };
-    2.0 * step * (0..STEPS).map(|n| at((f64::from(n) + 0.5) * step)).sum::<f64>()
+/// A band's delta across a flat edge, as the grid that it is sampled on sees it.
+pub(super) struct SampledDelta<'a> {
+    spacing: Spacing,
+    profile: &'a EdgeProfile,
+    delta: &'a SmearedDelta,
+    /// Half of the band's thickness.
+    half: f64,
+    /// The frequency up to which it is looked at.
+    highest: f64,
+}
+
+impl<'a> SampledDelta<'a> {
+    pub(super) fn new(spacing: Spacing, profile: &'a EdgeProfile, delta: &'a SmearedDelta) -> Self {
+        let half = profile.distance_of(delta.half_width().min(profile.value(6.0 * profile.sigma())));
+        // What thinner bands miss or hit is chance, which is flagged (`thickness-below-spacing`); and frequencies without end would take as long to sum.
+        let highest = HIGHEST / (2.0 * half).max(spacing.smallest()).max(THINNEST * spacing.largest());
+        Self { spacing, profile, delta, half, highest }
+    }
+
+    /// Magnitudes of the reciprocal lattice's points, one of xi and -xi, that are no multiples of others.
+    pub(super) fn frequencies(&self) -> Vec<f64> {
+        let h = self.spacing.mm();
+        let reach = h.map(|h| (self.highest * h).floor() as i64);
+        let mut frequencies = Vec::new();
+        for k in -reach[2]..=reach[2] {
+            for j in -reach[1]..=reach[1] {
+                for i in -reach[0]..=reach[0] {
+                    if is_primitive([i, j, k]) && [i, j, k] >= [0, 0, 0] {
+                        let square = (0..3).map(|a| ([i, j, k][a] as f64 / h[a]).powi(2)).sum::<f64>();
+                        frequencies.push(square.sqrt());
+                    }
+                }
+            }
+        }
+        frequencies
+    }
+
+    /// The multiples of a frequency.
+    pub(super) fn harmonics(&self, frequency: f64) -> impl Iterator<Item = f64> + use<> {
+        let highest = self.highest;
+        (1..).map(move |m| f64::from(m) * frequency).take_while(move |&harmonic| harmonic <= highest)
+    }
+
+    /// D: the delta across the edge at a frequency, and with it `lean` times the same of the distance from the edge.
+    pub(super) fn spectrum(&self, frequency: f64, lean: f64) -> f64 {
+        const STEPS: i32 = 32;
+        let step = self.half / f64::from(STEPS);
+        let turn = 2.0 * PI * frequency;
+        let at = |v: f64| {
+            let wave = libm::cos(turn * v) + lean * v * libm::sin(turn * v);
+            self.delta.delta(self.profile.value(v)) * self.profile.slope(v) * wave
+        };
+        2.0 * step * (0..STEPS).map(|n| at((f64::from(n) + 0.5) * step)).sum::<f64>()
+    }
 }
 
 fn is_primitive(index: [i64; 3]) -> bool {

@@ -1,6 +1,7 @@
 //! Standard errors of integrals.
 
 use super::Terraces;
+use super::occupancy_noise::OccupancyNoise;
 use super::terraces::inverse_fourth_powers;
 use crate::embedding::EdgeProfile;
 use crate::integrals::{Integrals, SmearedDelta, SurfaceIntegrals};
@@ -50,13 +51,22 @@ pub struct ErrorModel {
     lattice: f64,
     /// By how much the band's sum is off on faces along the grid, by axis.
     face_excess: [f64; 3],
+    /// Of shares of voxels instead of bits.
+    occupancies: Option<OccupancyNoise>,
 }
 
 impl ErrorModel {
     /// For surfaces after a blur of sigma mm, integrated over a band of some thickness in mm.
     pub fn new(spacing: Spacing, sigma: f64, thickness: f64) -> Self {
         let face_excess = spacing.mm().map(|h| face_excess(thickness / h));
-        Self { spacing, sigma, lattice: inverse_fourth_powers(spacing), face_excess }
+        let lattice = inverse_fourth_powers(spacing);
+        Self { spacing, sigma, lattice, face_excess, occupancies: None }
+    }
+
+    /// The same of an object of which the shares of voxels are known, seen by a band's delta.
+    #[must_use]
+    pub fn of_occupancies(self, profile: &EdgeProfile, delta: &SmearedDelta) -> Self {
+        Self { occupancies: Some(OccupancyNoise::new(self.spacing, profile, delta)), ..self }
     }
 
     /// What the blur leaves of the voxels' terraces, seen by a band's delta: for [`compensation_terms`](super::compensation_terms).
@@ -95,14 +105,15 @@ impl ErrorModel {
             rough_mean * surface.mean.abs().max(least_mean),
         );
         let gaussian = 2.0 * PI * EULER_NOISE * ratio * balls.sqrt();
-        IntegralErrors {
-            volume,
-            area,
-            mean,
-            average: of_average(surface, area, mean),
-            gaussian,
-            mean_squared: gaussian,
-        }
+        let average = of_average(surface, area, mean);
+        let bits = IntegralErrors { volume, area, mean, average, gaussian, mean_squared: gaussian };
+        let Some(occupancies) = &self.occupancies else { return bits };
+        // The place of a face is known then, up to what the sampled Heaviside makes of it.
+        let face_steps: [f64; 3] =
+            std::array::from_fn(|a| self.face_excess[a] * self.spacing.mm()[a] / (2.0 * PI) * faces[a]);
+        let flat_volume = face_steps.iter().map(|step| step * step).sum::<f64>().sqrt();
+        let shares = occupancies.of(surface, least_mean, [flat_volume, excess.sqrt()], &bits);
+        IntegralErrors { average: of_average(surface, shares.area, shares.mean), ..shares }
     }
 
     /// Standard errors of compensated values: the grid's noise, and the bias that is left. It is at most what compensation changed: where the surface turns
@@ -124,6 +135,9 @@ impl ErrorModel {
         let area = libm::hypot(of_area * fourth * surface.larger_fourth, edges)
             .min(2.0 * square * surface.mean_squared);
         let mean = (of_mean * fourth * fifth).min(most_of_mean);
+        let directed = self.occupancies.map_or([0.0; 3], |occupancies| occupancies.directed(surface));
+        let bias = [volume, area, mean];
+        let [volume, area, mean] = std::array::from_fn(|n| libm::hypot(bias[n], directed[n]));
         let (area, mean) = (libm::hypot(noise.area, area), libm::hypot(noise.mean, mean));
         IntegralErrors {
             volume: libm::hypot(noise.volume, volume),

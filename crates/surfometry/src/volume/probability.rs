@@ -162,7 +162,7 @@ mod tests {
             values[17] = value;
             ProbabilityImage::new(grid(), values)
         };
-        for value in [f32::NAN, f32::INFINITY, -0.01, 1.0001, 255.0] {
+        for value in [f32::NAN, f32::INFINITY, -0.25, 1.0625, 255.0] {
             let message = with(value).unwrap_err().to_string();
             assert!(message.contains("[1, 1, 1]") && message.contains(&value.to_string()), "{message}");
         }
