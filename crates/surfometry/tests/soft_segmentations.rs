@@ -99,25 +99,49 @@ fn study_errors() {
         for sigma in [None, Some(1.5), Some(3.0)] {
             for scale in [8.0, 12.0, 17.0, 25.0] {
                 for number in 0..3 {
-                    let (name, shape) = shapes(scale * (0.9 + 0.2 * chance())).into_iter().nth(number).unwrap();
-                    let pose = Pose::new([(); 3].map(|()| 180.0 * chance()), [(); 3].map(|()| chance() - 0.5));
+                    let (name, shape) =
+                        shapes(scale * (0.9 + 0.2 * chance())).into_iter().nth(number).unwrap();
+                    let pose =
+                        Pose::new([(); 3].map(|()| 180.0 * chance()), [(); 3].map(|()| chance() - 0.5));
                     let phantom = phantom(shape, pose, spacing);
                     let image = occupancies(&phantom);
                     let measured = Measurement::default().sigma_mm(sigma).run_probability(&image).unwrap();
                     let e = errors(&measured, &phantom);
                     let truth = phantom.truth().unwrap();
                     let se = measured.compensated.standard_error;
-                    let se = [se.volume_mm3.map(|v| v / truth.volume), se.surface_area_mm2.map(|v| v / truth.surface_area), se.total_mean_curvature_mm.map(|v| v / truth.total_mean_curvature)]
-                        .map(|v| 100.0 * v.unwrap_or(f64::NAN));
+                    let se = [
+                        se.volume_mm3.map(|v| v / truth.volume),
+                        se.surface_area_mm2.map(|v| v / truth.surface_area),
+                        se.total_mean_curvature_mm.map(|v| v / truth.total_mean_curvature),
+                    ]
+                    .map(|v| 100.0 * v.unwrap_or(f64::NAN));
                     let z: Vec<f64> = (0..3).map(|n| e[n] / se[n]).collect();
                     all.extend(&z);
-                    println!("{spacing:?} {sigma:?} {name} {scale}: {:+.4} {:+.4} {:+.4} % se {:.4} {:.4} {:.4} z {:+.2} {:+.2} {:+.2} {:?}", e[0], e[1], e[2], se[0], se[1], se[2], z[0], z[1], z[2], common::codes(&measured));
+                    println!(
+                        "{spacing:?} {sigma:?} {name} {scale}: {:+.4} {:+.4} {:+.4} % se {:.4} {:.4} {:.4} z {:+.2} {:+.2} {:+.2} {:?}",
+                        e[0],
+                        e[1],
+                        e[2],
+                        se[0],
+                        se[1],
+                        se[2],
+                        z[0],
+                        z[1],
+                        z[2],
+                        common::codes(&measured)
+                    );
                 }
             }
         }
     }
     for n in 0..3 {
         let z: Vec<f64> = all.iter().skip(n).step_by(3).copied().filter(|z| z.is_finite()).collect();
-        println!("{n}: rms z {:.2}, within 2: {} of {}, max {:.2}", rms(z.iter().copied()), z.iter().filter(|z| z.abs() <= 2.0).count(), z.len(), z.iter().fold(0.0f64, |a, b| a.max(b.abs())));
+        println!(
+            "{n}: rms z {:.2}, within 2: {} of {}, max {:.2}",
+            rms(z.iter().copied()),
+            z.iter().filter(|z| z.abs() <= 2.0).count(),
+            z.len(),
+            z.iter().fold(0.0f64, |a, b| a.max(b.abs()))
+        );
     }
 }
