@@ -4,9 +4,13 @@ mod common;
 
 use common::{phantom, poses, rms};
 use surfometry::Measurement;
-use surfometry::measurement::Measured;
+use surfometry::accuracy::FlagCode;
+use surfometry::measurement::{
+    Clip, CurvatureScale, Derivatives, EmbeddingKind, MeasureError, Measured, Object,
+};
 use surfometry::phantoms::{Ball, Ellipsoid, Phantom, Pose, Shape, Torus};
-use surfometry::volume::ProbabilityImage;
+use surfometry::runs::Plan;
+use surfometry::volume::{Grid, ProbabilityImage, VolumeError};
 
 /// Shares of the voxels that a shape fills, from 8 x 8 x 8 points in each.
 fn occupancies(phantom: &Phantom) -> ProbabilityImage {
@@ -35,7 +39,7 @@ fn errors(measured: &Measured, phantom: &Phantom) -> [f64; 3] {
 }
 
 /// rms over the vertices of H less that of the original surface beside them.
-fn error_of_h(object: &surfometry::measurement::Object, phantom: &Phantom) -> f64 {
+fn error_of_h(object: &Object, phantom: &Phantom) -> f64 {
     let surface = object.surface();
     let pairs = surface.mesh.vertices.iter().zip(&surface.vertices);
     rms(pairs.map(|(v, g)| g.curvature.mean - phantom.surface_point(*v).unwrap().curvature.mean))
@@ -49,99 +53,192 @@ fn shapes(scale: f64) -> [(&'static str, Box<dyn Shape>); 3] {
     ]
 }
 
+const SPACINGS: [[f64; 3]; 2] = [[1.0; 3], [0.7, 1.0, 1.6]];
+
+/// V, A and M of the original object are right to 0.05 % from radii of curvature of 7 sigma on, on unequal spacings too, and H at the vertices has less than a third of the error that it
+/// has from the mask at the same sigma.
 #[test]
-#[ignore]
-fn study() {
-    for spacing in [[1.0; 3], [0.7, 1.0, 1.6]] {
-        for scale in [10.0, 14.0, 20.0, 28.0] {
-            for number in 0..3 {
-                for (n, pose) in poses().into_iter().enumerate().take(if scale > 20.0 { 1 } else { 3 }) {
-                    let (name, shape) = shapes(scale).into_iter().nth(number).unwrap();
-                    let phantom = phantom(shape, pose, spacing);
-                    let image = occupancies(&phantom);
-                    let mask = phantom.labels().unwrap().mask(1);
-                    let m = Measurement::default();
-                    let soft = m.prepare_probability(&image).unwrap();
-                    let hard = m.prepare(&mask).unwrap();
-                    let measured = soft.measure();
-                    let e = errors(&measured, &phantom);
-                    let eh = errors(&hard.measure(), &phantom);
-                    let h = [error_of_h(&soft, &phantom), error_of_h(&hard, &phantom)];
-                    println!(
-                        "{spacing:?} {name} {scale} pose {n}: V A M soft {:+.4} {:+.4} {:+.4} %, mask {:+.4} {:+.4} {:+.4} %; H {:.5} {:.5} ratio {:.1} {:?}",
-                        e[0],
-                        e[1],
-                        e[2],
-                        eh[0],
-                        eh[1],
-                        eh[2],
-                        h[0],
-                        h[1],
-                        h[1] / h[0],
-                        common::codes(&measured)
-                    );
-                }
-            }
+fn shares_of_voxels_tell_the_shape() {
+    for (spacing, scale) in [(SPACINGS[0], 14.0), (SPACINGS[0], 20.0), (SPACINGS[1], 14.0)] {
+        for ((name, shape), pose) in shapes(scale).into_iter().zip(poses()) {
+            let phantom = phantom(shape, pose, spacing);
+            let soft = Measurement::default().prepare_probability(occupancies(&phantom)).unwrap();
+            let mask = Measurement::default().prepare(phantom.labels().unwrap().mask(1)).unwrap();
+            let found = errors(&soft.measure(), &phantom);
+            let [ours, masks] = [&soft, &mask].map(|object| error_of_h(object, &phantom));
+            println!("{name} {scale} {spacing:?}: V A M {found:+.4?} %, H {ours:.5} (mask {masks:.5})");
+            assert!(found.iter().all(|error| error.abs() < 0.05), "{name} {scale} {spacing:?}: {found:?}");
+            assert!(3.0 * ours < masks, "{name} {scale} {spacing:?}: {ours} {masks}");
         }
     }
 }
 
+/// What is left at smaller radii is the blur's, of order sigma^4: at a radius of 5 sigma up to 0.1 %, and with a narrower blur, which no terraces forbid, 0.05 % again.
 #[test]
-#[ignore]
-fn study_errors() {
-    let mut all: Vec<f64> = Vec::new();
-    let mut seed = 0.0f64;
+fn what_is_left_at_small_radii_is_the_blurs() {
+    for ((name, shape), pose) in shapes(10.0).into_iter().zip(poses()) {
+        let phantom = phantom(shape, pose, [1.0; 3]);
+        let image = occupancies(&phantom);
+        for (sigma, bound) in [(2.0, 0.1), (1.5, 0.05)] {
+            let measured = Measurement::default().sigma_mm(sigma).run_probability(&image).unwrap();
+            let found = errors(&measured, &phantom);
+            println!("{name} sigma {sigma}: V A M {found:+.4?} %");
+            assert!(found.iter().all(|error| error.abs() < bound), "{name} {sigma}: {found:?}");
+        }
+    }
+}
+
+/// Noise alone, on a ball of 5 sigma, whose blurred surface has the same curvature everywhere: a tenth of the mask's.
+#[test]
+fn curvature_has_a_tenth_of_the_masks_noise() {
+    let phantom = phantom(Ball { radius: 10.0 }, poses()[1], [1.0; 3]);
+    let soft = Measurement::default().prepare_probability(occupancies(&phantom)).unwrap();
+    let mask = Measurement::default().prepare(phantom.labels().unwrap().mask(1)).unwrap();
+    let [ours, masks] = [soft, mask].map(|object| {
+        let found: Vec<f64> = object.surface().vertices.iter().map(|v| v.curvature.mean).collect();
+        let mean = found.iter().sum::<f64>() / found.len() as f64;
+        rms(found.into_iter().map(|h| h - mean))
+    });
+    println!("{ours:.6} {masks:.6}");
+    assert!(10.0 * ours < masks, "{ours} {masks}");
+}
+
+/// An image of zeros and ones is a mask: all numbers, flags and the surface are the same, to the bit.
+#[test]
+fn zeros_and_ones_are_a_mask() {
+    let phantom = phantom(Torus { major: 14.0, minor: 6.0 }, poses()[0], [0.9, 1.0, 1.2]);
+    let mask = phantom.labels().unwrap().mask(1);
+    let image = ProbabilityImage::from_slabs(&mut phantom.slabs()).unwrap();
+    let m = Measurement::default();
+    let kinds = [Derivatives::Matched, Derivatives::Gaussian, Derivatives::FiniteDifference];
+    for m in [m, m.derivatives(kinds[1]), m.derivatives(kinds[2]), m.sigma_mm(1.3), m.level(0.4)] {
+        let (soft, hard) = (m.prepare_probability(&image).unwrap(), m.prepare(&mask).unwrap());
+        let (mut found, expected) = (soft.measure(), hard.measure());
+        assert_eq!(found.parameters.embedding, EmbeddingKind::Probability);
+        found.parameters.embedding = EmbeddingKind::Gaussian;
+        found.timings = expected.timings;
+        assert_eq!(found, expected);
+        assert_eq!(soft.surface(), hard.surface());
+    }
+}
+
+/// Standard errors hold on shapes, poses and spacings that nothing was fitted to, and V's are a fraction of a mask's.
+#[test]
+fn standard_errors_hold() {
+    let mut number = 0.0f64;
     let mut chance = move || {
-        seed += 0.618_033_988_749;
-        (seed * 7919.0).fract()
+        number += 0.618_033_988_749;
+        (number * 7919.0 + 0.37).fract()
     };
-    for spacing in [[1.0; 3], [0.8, 1.0, 1.3], [0.5, 0.5, 1.5]] {
-        for sigma in [None, Some(1.5), Some(3.0)] {
-            for scale in [8.0, 12.0, 17.0, 25.0] {
-                for number in 0..3 {
-                    let (name, shape) =
-                        shapes(scale * (0.9 + 0.2 * chance())).into_iter().nth(number).unwrap();
-                    let pose =
-                        Pose::new([(); 3].map(|()| 180.0 * chance()), [(); 3].map(|()| chance() - 0.5));
-                    let phantom = phantom(shape, pose, spacing);
-                    let image = occupancies(&phantom);
-                    let measured = Measurement::default().sigma_mm(sigma).run_probability(&image).unwrap();
-                    let e = errors(&measured, &phantom);
-                    let truth = phantom.truth().unwrap();
-                    let se = measured.compensated.standard_error;
-                    let se = [
-                        se.volume_mm3.map(|v| v / truth.volume),
-                        se.surface_area_mm2.map(|v| v / truth.surface_area),
-                        se.total_mean_curvature_mm.map(|v| v / truth.total_mean_curvature),
-                    ]
-                    .map(|v| 100.0 * v.unwrap_or(f64::NAN));
-                    let z: Vec<f64> = (0..3).map(|n| e[n] / se[n]).collect();
-                    all.extend(&z);
-                    println!(
-                        "{spacing:?} {sigma:?} {name} {scale}: {:+.4} {:+.4} {:+.4} % se {:.4} {:.4} {:.4} z {:+.2} {:+.2} {:+.2} {:?}",
-                        e[0],
-                        e[1],
-                        e[2],
-                        se[0],
-                        se[1],
-                        se[2],
-                        z[0],
-                        z[1],
-                        z[2],
-                        common::codes(&measured)
-                    );
-                }
+    let mut within = [0; 3];
+    let mut cases = 0;
+    for spacing in [[1.0; 3], [0.8, 1.0, 1.3], [0.6, 0.6, 1.2]] {
+        for sigma in [1.4, 2.3] {
+            for (_, shape) in shapes(8.0 + 8.0 * chance()) {
+                let pose = Pose::new([(); 3].map(|()| 180.0 * chance()), [(); 3].map(|()| chance() - 0.5));
+                let phantom = phantom(shape, pose, spacing);
+                let measured =
+                    Measurement::default().sigma_mm(sigma).run_probability(occupancies(&phantom)).unwrap();
+                let (found, truth) = (errors(&measured, &phantom), phantom.truth().unwrap());
+                let bars = &measured.standard_error;
+                let bars = [
+                    bars.volume_mm3.unwrap() / truth.volume,
+                    bars.surface_area_mm2.unwrap() / truth.surface_area,
+                    bars.total_mean_curvature_mm.unwrap() / truth.total_mean_curvature,
+                ];
+                let shares: [f64; 3] = std::array::from_fn(|n| found[n] / (100.0 * bars[n]));
+                println!("{spacing:?} {sigma}: {found:+.4?} %, in standard errors {shares:+.2?}");
+                (0..3).for_each(|n| within[n] += usize::from(shares[n].abs() <= 2.0));
+                cases += 1;
             }
         }
     }
-    for n in 0..3 {
-        let z: Vec<f64> = all.iter().skip(n).step_by(3).copied().filter(|z| z.is_finite()).collect();
-        println!(
-            "{n}: rms z {:.2}, within 2: {} of {}, max {:.2}",
-            rms(z.iter().copied()),
-            z.iter().filter(|z| z.abs() <= 2.0).count(),
-            z.len(),
-            z.iter().fold(0.0f64, |a, b| a.max(b.abs()))
-        );
+    assert!(within.iter().all(|&n| 20 * n >= 19 * cases), "{within:?} of {cases}");
+    let ball = phantom(Ball { radius: 25.0 }, poses()[2], [1.0; 3]);
+    let soft = Measurement::default().run_probability(occupancies(&ball)).unwrap();
+    let hard = common::measure(&ball, &Measurement::default());
+    let [soft, hard] = [soft, hard].map(|measured| measured.standard_error.volume_mm3.unwrap());
+    assert!(10.0 * soft < hard, "{soft} {hard}");
+}
+
+/// An edge that is wider than a voxel is told of, and has no standard errors: compensation takes nothing off but the voxels' own blur.
+#[test]
+fn edges_softer_than_voxels_are_told_of() {
+    let phantom = phantom(Ball { radius: 14.0 }, poses()[0], [1.0; 3]);
+    let grid = *phantom.grid();
+    let centre = phantom.pose().shift();
+    let distance = |index: [usize; 3]| {
+        let p = grid.affine().apply(index.map(|v| v as f64));
+        (0..3).map(|a| (p[a] - centre[a]).powi(2)).sum::<f64>().sqrt() - 14.0
+    };
+    let image = |width: f64| {
+        let value = |n| (1.0 / (1.0 + (distance(grid.index_of(n)) / width).exp())) as f32;
+        ProbabilityImage::new(grid, (0..grid.voxel_count()).map(value).collect()).unwrap()
+    };
+    let flagged = |measured: &Measured| common::codes(measured).contains(&"softer-than-voxels".to_owned());
+    let soft = Measurement::default().run_probability(image(0.6)).unwrap();
+    assert!(flagged(&soft) && soft.standard_error.volume_mm3.is_none());
+    assert!(common::codes(&soft).contains(&"not-computed".to_owned()));
+    let as_voxels = Measurement::default().run_probability(image(0.159)).unwrap();
+    assert!(!flagged(&as_voxels) && as_voxels.standard_error.volume_mm3.is_some());
+}
+
+/// Voxels are those above the level, and a soft segmentation is compared with the sum of its values.
+#[test]
+fn voxels_are_those_above_the_level() {
+    let phantom = phantom(Ball { radius: 9.0 }, poses()[0], [1.0; 3]);
+    let image = occupancies(&phantom);
+    for level in [0.25, 0.5, 0.75] {
+        let object = Measurement::default().level(level).prepare_probability(&image).unwrap();
+        assert_eq!(object.mask(), &image.above(level));
+        assert_eq!(object.measure().voxels.count, image.above(level).voxels());
     }
+    // A block of which every voxel is 0.6 has 1.7 times as many voxels above 1/2 as its values add up to.
+    let grid = Grid::axis_aligned([40; 3], [1.0; 3]).unwrap();
+    let block = |value: f32| {
+        let inside = |n| grid.index_of(n).iter().all(|v| (10..30).contains(v));
+        let values = (0..grid.voxel_count()).map(|n| if inside(n) { value } else { 0.0 }).collect();
+        ProbabilityImage::new(grid, values).unwrap()
+    };
+    let measured = Measurement::default().run_probability(block(0.6)).unwrap();
+    assert_eq!(measured.voxels.count, 8000);
+    let thin = measured.flags.iter().find(|flag| flag.code == FlagCode::ThinForSigma).unwrap();
+    let off = measured.volume_mm3.unwrap() / (0.6f32 as f64 * 8000.0) - 1.0;
+    assert!(thin.message.contains(&format!("{:+.1} %", 100.0 * off)), "{} {off}", thin.message);
+}
+
+/// Maps of the original object's curvature too: the corrected embedding of the values, at a scale that it finds itself.
+#[test]
+fn local_curvature_of_the_original_object() {
+    let phantom = phantom(Ellipsoid { radii: [16.0, 13.0, 11.0] }, poses()[0], [1.0; 3]);
+    let image = occupancies(&phantom);
+    let m = Measurement::default();
+    let plain = m.prepare_probability(&image).unwrap();
+    let local = m.for_local_curvature_of_probability(&image, CurvatureScale::Auto).unwrap();
+    let corrected = local.prepare_probability(&image).unwrap();
+    assert_eq!(corrected.parameters().embedding, EmbeddingKind::Corrected);
+    let [before, after] = [&plain, &corrected].map(|object| error_of_h(object, &phantom));
+    println!("H off by {before:.5}, corrected {after:.5} at sigma {:?}", corrected.parameters().sigma_mm);
+    assert!(after < 0.7 * before, "{before} {after}");
+    assert!(corrected.surface().vertices.iter().all(|vertex| vertex.errors.is_some()));
+    assert!(plain.surface().vertices.iter().all(|vertex| vertex.displacement.is_some()));
+}
+
+#[test]
+fn what_cannot_be_measured_is_refused() {
+    let grid = Grid::axis_aligned([20; 3], [1.0; 3]).unwrap();
+    let image = |value: f32| ProbabilityImage::new(grid, vec![value; 8000]).unwrap();
+    let m = Measurement::default();
+    let low = m.run_probability(image(0.5)).unwrap_err();
+    assert!(matches!(low, MeasureError::Volume(VolumeError::NothingAbove { .. })), "{low}");
+    assert!(m.level(0.3).run_probability(image(0.5)).is_ok());
+    let cut = m.clip(Clip::Exclude).run_probability(image(1.0));
+    assert!(matches!(cut, Err(MeasureError::Conflict(_))));
+    let mask = image(1.0).above(0.5);
+    let bits = m.embedding(EmbeddingKind::Probability).run(mask);
+    assert!(matches!(bits, Err(MeasureError::Conflict(text)) if text.contains("run_probability")));
+    let plan = Plan { measurement: m.embedding(EmbeddingKind::Probability), ..Plan::default() };
+    assert!(plan.check().is_ok());
+    assert!(Plan { per_component: true, ..plan.clone() }.check().is_err());
+    assert!(Plan { labels: "2".parse().unwrap(), ..plan }.check().is_err());
 }

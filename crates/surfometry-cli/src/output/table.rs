@@ -186,6 +186,7 @@ fn embedding_name(embedding: EmbeddingKind) -> &'static str {
         EmbeddingKind::Gaussian => "blurred",
         EmbeddingKind::Corrected => "corrected",
         EmbeddingKind::Distance | EmbeddingKind::DistanceToVoxels => "distance",
+        EmbeddingKind::Probability => "soft, blurred",
         EmbeddingKind::Given => "given",
     }
 }

@@ -6,11 +6,10 @@ use crate::accuracy::{PILOT_SPACINGS, auto_curvature_sigma, balanced_sigma, rms_
 use crate::integrals::{Integrals, QuadratureRule};
 use crate::local_geometry::Curvature;
 use crate::tiling::{IndexBox, TILE};
-use crate::volume::{Mask, Shared};
+use crate::volume::{Mask, ProbabilityImage, Shared, Spacing};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::f64::consts::SQRT_2;
-use std::sync::Arc;
 
 /// Fewest voxels that tell how curvature changes with scale.
 const FEWEST_CHANGES: usize = 100;
@@ -27,6 +26,9 @@ pub enum CurvatureScale {
     Mm(f64),
 }
 
+/// Sets up the object of which curvature is measured by another measurement.
+type Prepare<'a> = &'a dyn Fn(&Measurement) -> Result<Object, MeasureError>;
+
 impl Measurement {
     /// The measurement whose surface has the local curvature of the original object ([`EmbeddingKind::Corrected`]), at a given sigma or at the one
     /// that suits the object: 0.66 h^(2/7) R^(5/7), with h the rms spacing and 1/R the rms over the surface of the larger principal curvature, from a
@@ -40,18 +42,47 @@ impl Measurement {
         mask: impl Shared<Mask>,
         scale: CurvatureScale,
     ) -> Result<Self, MeasureError> {
+        let mask = mask.shared();
+        self.at_local_scale(mask.grid().spacing(), scale, &|measurement| measurement.prepare(&mask))
+    }
+
+    /// The same of a soft segmentation, for [`Measurement::prepare_probability`].
+    ///
+    /// # Errors
+    /// Those of [`Measurement::for_local_curvature`] and of [`Measurement::prepare_probability`].
+    pub fn for_local_curvature_of_probability(
+        &self,
+        image: impl Shared<ProbabilityImage>,
+        scale: CurvatureScale,
+    ) -> Result<Self, MeasureError> {
+        let image = image.shared();
+        let prepare = |measurement: &Self| measurement.prepare_probability(&image);
+        self.at_local_scale(image.grid().spacing(), scale, &prepare)
+    }
+
+    fn at_local_scale(
+        &self,
+        spacing: Spacing,
+        scale: CurvatureScale,
+        prepare: Prepare,
+    ) -> Result<Self, MeasureError> {
         if scale != CurvatureScale::AsMeasured && !self.embedding.is_blur() {
             return Err(MeasureError::Conflict(
                 "a scale for curvature belongs to the Gaussian and corrected embeddings: leave it out",
             ));
         }
-        let mask = mask.shared();
         let sigma = match scale {
             CurvatureScale::AsMeasured => return Ok(*self),
             CurvatureScale::Mm(sigma) => sigma,
-            CurvatureScale::Auto => self.scale_of(&mask)?,
+            CurvatureScale::Auto => self.scale_of(spacing, prepare)?,
         };
-        let local = Self {
+        let local = self.corrected(sigma);
+        Parameters::resolve(&local, spacing).map(|_| local)
+    }
+
+    /// The corrected embedding at some blur, the rest as it suits that.
+    fn corrected(&self, sigma: f64) -> Self {
+        Self {
             embedding: EmbeddingKind::Corrected,
             sigma: Some(sigma),
             thickness: None,
@@ -60,23 +91,21 @@ impl Measurement {
             quadrature: QuadratureRule::Sum,
             derivatives: None,
             ..*self
-        };
-        Parameters::resolve(&local, mask.grid().spacing()).map(|_| local)
+        }
     }
 
-    fn scale_of(&self, mask: &Arc<Mask>) -> Result<f64, MeasureError> {
-        let spacing = mask.grid().spacing();
+    fn scale_of(&self, spacing: Spacing, prepare: Prepare) -> Result<f64, MeasureError> {
         let pilot = Self { delta: self.delta, ..Self::default() };
         // Where the pilot's blur leaves nothing, an object is so small that half of it may.
         for share in [1.0, 0.5] {
             let sigma = share * PILOT_SPACINGS * rms_spacing(spacing);
-            let surviving = pilot.sigma_mm(sigma).prepare(mask)?.plain_integrals();
+            let surviving = prepare(&pilot.sigma_mm(sigma))?.plain_integrals();
             if let Some(integrals) = surviving.filter(Integrals::has_surface) {
                 let surface = &integrals.surface;
                 let radius = (surface.area / surface.larger_squared).sqrt();
                 let thickness = 2.0 * integrals.volume / surface.area;
                 let sigma = auto_curvature_sigma(spacing, radius, thickness);
-                let changes = self.changes_with_scale(mask, sigma, radius)?;
+                let changes = self.changes_with_scale(prepare, sigma, radius)?;
                 return Ok(changes
                     .map_or(sigma, |changes| balanced_sigma(spacing, sigma, changes, (radius, thickness))));
             }
@@ -88,11 +117,11 @@ impl Measurement {
     /// `None` where there are too few to tell.
     fn changes_with_scale(
         &self,
-        mask: &Arc<Mask>,
+        prepare: Prepare,
         sigma: f64,
         radius: f64,
     ) -> Result<Option<[f64; 2]>, MeasureError> {
-        let at = |sigma: f64| self.for_local_curvature(mask, CurvatureScale::Mm(sigma))?.prepare(mask);
+        let at = |sigma: f64| prepare(&self.corrected(sigma));
         let objects = [at(sigma / SQRT_2)?, at(sigma)?, at(SQRT_2 * sigma)?];
         let [Some(fine), Some(middle), Some(coarse)] = objects.each_ref().map(Object::beside_surface) else {
             return Ok(None);

@@ -45,6 +45,11 @@ impl EmbeddingKind {
         matches!(self, Self::Gaussian | Self::Corrected | Self::Probability)
     }
 
+    /// Whether the input is an image of labels, not of values that are one object.
+    pub fn is_of_labels(self) -> bool {
+        !matches!(self, Self::Probability | Self::Given)
+    }
+
     /// Whether the field is a distance to the mask.
     pub(super) fn is_distance(self) -> bool {
         matches!(self, Self::Distance | Self::DistanceToVoxels)

@@ -4,7 +4,7 @@ use super::pass::{ObjectSums, Pass};
 use super::setup::Setup;
 use super::{Derivatives, EmbeddingKind, MeasureError, Parameters};
 use crate::embedding::{
-    DistanceEmbedding, EdgeProfile, Embedding, GaussianEmbedding, GaussianKernel, Indicator, TRUNCATION,
+    DistanceEmbedding, Embedding, GaussianEmbedding, GaussianKernel, Indicator, TRUNCATION,
     TRUNCATION_OF_BLUR,
 };
 use crate::integrals::Band;
@@ -86,7 +86,7 @@ impl<'a> Scheme<'a> {
         let profile = setup.parameters.profile()?;
         let (level, truncation) = (setup.parameters.level_or_half(), truncation_of(setup));
         let embedding = GaussianEmbedding::of_profile(indicator, &profile, level, truncation);
-        match setup.parameters.derivatives {
+        Some(match setup.parameters.derivatives {
             Derivatives::Gaussian => Self::Gaussian(GaussianDerivatives::new(embedding)),
             Derivatives::Matched => Self::Matched(match setup.weights {
                 Some(weights) => MatchedDifferences::with_weights(embedding, weights),
@@ -95,7 +95,7 @@ impl<'a> Scheme<'a> {
             Derivatives::FiniteDifference => {
                 Self::GaussianDifferences(FiniteDifferences::new(embedding, setup.grid.spacing().mm()))
             }
-        }
+        })
     }
 
     /// Whether the band, and with it the surface, is known to be nowhere.

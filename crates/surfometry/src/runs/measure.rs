@@ -5,7 +5,7 @@ use super::object::{explain_topology, to_be_explained};
 use super::reading::Watched;
 use super::{Item, Opened, Plan, Reading, Record, RunError, Task};
 use crate::inputs::open;
-use crate::measurement::{EmbeddingKind, Measured, StageSeconds};
+use crate::measurement::{Measured, StageSeconds};
 use crate::volume::LabelGroup;
 use crate::{Control, Event};
 use std::collections::BTreeMap;
@@ -34,7 +34,7 @@ impl MeasureTask {
     /// Whether more is asked of an input than can be had while its slices go by.
     fn needs_all(&self) -> bool {
         let plan = &self.plan;
-        plan.measurement.embedding == EmbeddingKind::Given
+        !plan.measurement.embedding.is_of_labels()
             || plan.per_component
             || plan.explain_topology == ExplainTopology::Always
             || self.draws()

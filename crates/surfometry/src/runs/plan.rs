@@ -53,11 +53,11 @@ impl Plan {
             EmbeddingKind::Given if mapped_apart => {
                 conflict("a field has no blur of its own, so it has no scale of curvature: leave that out")
             }
-            EmbeddingKind::Given if self.per_component => {
-                conflict("a field has no labels whose pieces could be told apart: measure it as one object")
-            }
-            EmbeddingKind::Given if self.labels != LabelSelection::All => {
-                conflict("a field has no labels: leave the choice of labels out")
+            kind if self.per_component && !kind.is_of_labels() => conflict(
+                "a field or soft segmentation has no labels whose pieces could be told apart: measure it as one object",
+            ),
+            kind if self.labels != LabelSelection::All && !kind.is_of_labels() => {
+                conflict("a field or soft segmentation has no labels: leave the choice of labels out")
             }
             kind if mapped_apart && !kind.is_blur() => conflict(
                 "a scale for curvature belongs to the Gaussian and corrected embeddings: leave it out",

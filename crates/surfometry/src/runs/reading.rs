@@ -7,7 +7,7 @@ use crate::inputs::{InputError, Source};
 use crate::measurement::{CurvatureScale, EmbeddingKind, MeasureError};
 use crate::phantoms::Truth;
 use crate::topology::{ComponentLabels, Connectivity};
-use crate::volume::{FieldImage, LabelGroup, LabelImage, Mask, Slab, SlabReader};
+use crate::volume::{FieldImage, LabelGroup, LabelImage, Mask, ProbabilityImage, Slab, SlabReader};
 use crate::{Control, Event, Stopped};
 use std::collections::BTreeMap;
 use std::sync::{Arc, OnceLock};
@@ -23,11 +23,12 @@ pub struct Reading<'a> {
 
 enum Content {
     Labels { image: LabelImage, groups: Vec<LabelGroup>, names: BTreeMap<i64, String>, truth: Option<Truth> },
+    Probability { image: Arc<ProbabilityImage>, truth: Option<Truth> },
     Field(Arc<FieldImage>),
 }
 
 impl<'a> Reading<'a> {
-    /// Reads an input: labels, or, for a given embedding, a field.
+    /// Reads an input: labels, or, for the embeddings that are of such, a field or a soft segmentation.
     ///
     /// # Errors
     /// [`RunError`], also for labels that do not occur.
@@ -35,15 +36,20 @@ impl<'a> Reading<'a> {
         let start = Instant::now();
         let source = &*input.source;
         let mut slabs = Watched { slabs: source.slabs()?, input: input.name, control: input.control };
-        let (content, many_labels) = if plan.measurement.embedding == EmbeddingKind::Given {
-            (Content::Field(field(source, &mut slabs)?), false)
-        } else {
-            let image = LabelImage::from_slabs(&mut slabs)?;
-            let groups = plan.labels.resolve(&image).map_err(MeasureError::from)?;
-            let many_labels = image.summaries().len() > 1;
-            let (names, truth) = (source.label_names(), source.truth());
-            (Content::Labels { image, groups, names, truth }, many_labels)
+        let content = match plan.measurement.embedding {
+            EmbeddingKind::Given => Content::Field(field(source, &mut slabs)?),
+            EmbeddingKind::Probability => {
+                let image = Arc::new(ProbabilityImage::from_slabs(&mut slabs)?);
+                Content::Probability { image, truth: source.truth() }
+            }
+            _ => {
+                let image = LabelImage::from_slabs(&mut slabs)?;
+                let groups = plan.labels.resolve(&image).map_err(MeasureError::from)?;
+                let (names, truth) = (source.label_names(), source.truth());
+                Content::Labels { image, groups, names, truth }
+            }
         };
+        let many_labels = matches!(&content, Content::Labels { image, .. } if image.summaries().len() > 1);
         let facts = Arc::new(InputFacts::new(input, plan, many_labels, start.elapsed().as_secs_f64()));
         Ok(Self { plan, control: input.control, facts, content })
     }
@@ -74,13 +80,17 @@ impl<'a> Reading<'a> {
     pub fn count(&self) -> usize {
         match &self.content {
             Content::Labels { groups, .. } => groups.len(),
-            Content::Field(_) => 1,
+            Content::Probability { .. } | Content::Field(_) => 1,
         }
     }
 
     fn objects_at(&self, number: usize, plan: &Plan) -> Vec<Result<InputObject, RunError>> {
         match &self.content {
             Content::Field(field) => vec![self.of_field(field, plan)],
+            Content::Probability { image, truth } => {
+                let object = self.of_probability(image, plan);
+                vec![object.map(|object| InputObject { truth: *truth, ..object })]
+            }
             Content::Labels { image, groups, names, truth } => {
                 let label = &groups[number];
                 let whole = image.group_mask(label);
@@ -114,6 +124,17 @@ impl<'a> Reading<'a> {
         };
         let object = plan.measurement.prepare(mask)?;
         Ok(InputObject { local, ..self.bare(object) })
+    }
+
+    fn of_probability(&self, image: &Arc<ProbabilityImage>, plan: &Plan) -> Result<InputObject, RunError> {
+        let local = match plan.curvature {
+            CurvatureScale::AsMeasured => None,
+            scale => {
+                let local = plan.measurement.for_local_curvature_of_probability(image, scale)?;
+                Some(local.prepare_probability(image)?)
+            }
+        };
+        Ok(InputObject { local, ..self.bare(plan.measurement.prepare_probability(image)?) })
     }
 
     fn of_field(&self, field: &Arc<FieldImage>, plan: &Plan) -> Result<InputObject, RunError> {
