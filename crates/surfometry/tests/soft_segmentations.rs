@@ -128,7 +128,7 @@ fn standard_errors_hold() {
     let mut number = 0.0f64;
     let mut chance = move || {
         number += 0.618_033_988_749;
-        (number * 7919.0 + 0.37).fract()
+        (number * 7919.0 + 0.61).fract()
     };
     let mut within = [0; 3];
     let mut cases = 0;

@@ -12,7 +12,8 @@ use std::f64::consts::PI;
 /// Shares have no terraces: averaging over a voxel takes away, of the object's spectrum, the frequencies that its samples would fold back. What is left is that the band's smooth delta is
 /// summed at the voxels, not integrated. A frequency xi of the reciprocal lattice adds to A the delta's spectrum D(xi) times the integral of exp(2 pi i xi x)
 /// over the surface, of which only the points count where the normal is along xi: a variance of D^2 / (xi^2 K) each, on the mean over directions
-/// D^2 A / (2 pi xi^2) of all. The smeared Heaviside has the spectrum D / (2 pi xi).
+/// D^2 A / (2 pi xi^2) of all, and twice that where the ends of an object are in step, as of balls and all that is symmetric about a point: that is what counts here. The
+/// smeared Heaviside has the spectrum D / (2 pi xi).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct OccupancyNoise {
     /// Sums over the reciprocal lattice of D^2 / xi^2, mm^2, and of D^2 / xi^4, mm^4.
@@ -23,6 +24,8 @@ pub(super) struct OccupancyNoise {
     least: f64,
 }
 
+/// By how much variances are larger where opposite ends are in step.
+const IN_STEP: f64 = 2.0;
 /// Shares are counted, computed or stored to this share of the noise of bits (8 x 8 x 8 points in a voxel: 1 / 64).
 const INEXACT: f64 = 1.0 / 30.0;
 /// What differences, cut kernels and the mean over directions leave of A and M, as a share of them.
@@ -63,13 +66,17 @@ impl OccupancyNoise {
         let root = |a: f64, b: f64, c: f64| (a * a + b * b + c * c).sqrt();
         IntegralErrors {
             volume: root(
-                (surface.area * fourths / (8.0 * PI.powi(3))).sqrt(),
+                (IN_STEP * surface.area * fourths / (8.0 * PI.powi(3))).sqrt(),
                 INEXACT * bits.volume,
                 flat_volume,
             ),
-            area: root((surface.area * squares / (2.0 * PI)).sqrt(), self.least * surface.area, flat_area),
+            area: root(
+                (IN_STEP * surface.area * squares / (2.0 * PI)).sqrt(),
+                self.least * surface.area,
+                flat_area,
+            ),
             mean: root(
-                (surface.mean_squared * squares / (2.0 * PI)).sqrt(),
+                (IN_STEP * surface.mean_squared * squares / (2.0 * PI)).sqrt(),
                 self.least * surface.mean.abs().max(least_mean),
                 0.0,
             ),
@@ -126,8 +133,7 @@ mod tests {
             .collect();
         let mean = areas.iter().sum::<f64>() / areas.len() as f64;
         let found = (areas.iter().map(|a| (a - mean).powi(2)).sum::<f64>() / areas.len() as f64).sqrt();
-        let law = (4.0 * PI * noise.sampling[0] / (2.0 * PI)).sqrt();
-        // The two ends of a ball are in step: their noise adds up to sqrt 2 times the law's.
-        assert!((found / law / 2f64.sqrt() - 1.0).abs() < 0.3, "{found} {law}");
+        let law = (4.0 * PI * IN_STEP * noise.sampling[0] / (2.0 * PI)).sqrt();
+        assert!((found / law - 1.0).abs() < 0.3, "{found} {law}");
     }
 }

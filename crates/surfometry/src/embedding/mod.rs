@@ -24,6 +24,39 @@ pub use precision::Precision;
 use crate::tiling::{Block, IndexBox};
 
 /// A field that can be had on any box of voxels.
+///
+/// Those of this crate serve on their own, with the derivatives of [`local_geometry`](crate::local_geometry) and the mesh of
+/// [`surface`](crate::surface); one's own is an implementation away ([`Differentiation`](crate::local_geometry::Differentiation) shows one).
+///
+/// ```
+/// use surfometry::embedding::{Embedding, GaussianEmbedding, TRUNCATION};
+/// use surfometry::local_geometry::{Curvature, Differentiation, GaussianDerivatives};
+/// use surfometry::surface::extract;
+/// use surfometry::tiling::IndexBox;
+/// use surfometry::volume::{Grid, Mask};
+///
+/// // A ball of 12 voxels, blurred by 2 mm; its voxels are 1 mm wide.
+/// let grid = Grid::axis_aligned([31; 3], [1.0; 3])?;
+/// let square = |v: usize| (v as f64 - 15.0).powi(2);
+/// let mask = Mask::from_predicate(grid, |[x, y, z]| square(x) + square(y) + square(z) < 144.0);
+/// let embedding = GaussianEmbedding::new(&mask, 2.0, 0.5, TRUNCATION);
+///
+/// // phi on a box of voxels, which may reach beyond the image: negative inside.
+/// let phi = embedding.evaluate(&IndexBox::new([10, 15, 15], [40, 16, 16]), 0.5);
+/// assert!(phi.get([15, 15, 15]) < -0.49 && phi.get([35, 15, 15]) == 0.5);
+///
+/// // The field and its derivatives at any points, in fractional voxel indices.
+/// let scheme = GaussianDerivatives::new(embedding);
+/// let points = [[26.6, 15.0, 15.0], [15.0, 15.0, 3.4]];
+/// for jet in scheme.jets(&points) {
+///     assert!((Curvature::of(&jet).unwrap().mean - 1.0 / 11.6).abs() < 0.02);
+/// }
+///
+/// // The zero level as a mesh.
+/// let mesh = extract(scheme.embedding(), &grid);
+/// assert!((mesh.area() / (4.0 * std::f64::consts::PI * 11.6 * 11.6) - 1.0).abs() < 0.03);
+/// # Ok::<(), surfometry::volume::VolumeError>(())
+/// ```
 pub trait Embedding: Sync {
     /// Precision in which the field is kept.
     type Value: Precision;

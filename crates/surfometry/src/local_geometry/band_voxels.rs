@@ -32,6 +32,16 @@ impl BandVoxels {
         Self { count: 0, groups: Vec::with_capacity(CAPACITY), columns: vec![[0.0; CAPACITY]; 10] }
     }
 
+    /// Hands on voxels that come one by one, in parts: what is left to do where [`visit_band`](super::Differentiation::visit_band) is
+    /// implemented for derivatives of one's own.
+    pub fn hand_on(voxels: impl IntoIterator<Item = BandVoxel>, visit: &mut dyn FnMut(&Self)) {
+        let mut band = Self::new();
+        for BandVoxel { index, jet } in voxels {
+            band.push_jet(index, &jet, visit);
+        }
+        band.flush(visit);
+    }
+
     /// How many.
     pub fn len(&self) -> usize {
         self.count

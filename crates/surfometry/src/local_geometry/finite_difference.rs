@@ -2,7 +2,7 @@
 
 use super::interpolation::interpolated_jet;
 use super::stencil::Stencil;
-use super::{BandVoxels, Differentiation, Jet, band_indices};
+use super::{BandVoxel, BandVoxels, Differentiation, Jet, band_indices};
 use crate::embedding::Embedding;
 use crate::tiling::{Block, ExactSum, IndexBox, TILE};
 use crate::volume::{FieldImage, Mask};
@@ -105,11 +105,8 @@ impl<E: Embedding> Differentiation for FiniteDifferences<E> {
         half_width: f64,
         visit: &mut dyn FnMut(&BandVoxels),
     ) {
-        let mut voxels = BandVoxels::new();
-        for index in band_indices(field, tile, half_width) {
-            voxels.push_jet(index, &self.jet(field, index), visit);
-        }
-        voxels.flush(visit);
+        let indices = band_indices(field, tile, half_width).into_iter();
+        BandVoxels::hand_on(indices.map(|index| BandVoxel { index, jet: self.jet(field, index) }), visit);
     }
 
     /// Differentiates the polynomial through the 6 x 6 x 6 voxels around each point: second derivatives are of fourth

@@ -28,6 +28,99 @@ use crate::tiling::{Block, IndexBox};
 /// A scheme that differentiates an embedding near its surface.
 ///
 /// Whoever asks has evaluated the embedding on [`Differentiation::field_region`] of a tile, once for all that is wanted there.
+///
+/// Derivatives of one's own are integrated, and taken at points, like those of this crate. Here of a ball, exact:
+///
+/// ```
+/// use surfometry::embedding::Embedding;
+/// use surfometry::integrals::{Band, Integrals, Quadrature, QuadratureRule, SmearedDelta, Smearing, integrate_boxes};
+/// use surfometry::local_geometry::{BandVoxel, BandVoxels, Differentiation, Jet};
+/// use surfometry::tiling::{Block, IndexBox, TILE};
+/// use surfometry::volume::Spacing;
+///
+/// /// phi = |x|^2 / 2 R - R / 2 about voxel 0, in voxels of 1 mm.
+/// struct Ball(f64);
+///
+/// impl Ball {
+///     fn jet(&self, point: [f64; 3]) -> Jet {
+///         let Ball(radius) = *self;
+///         let square: f64 = point.iter().map(|v| v * v).sum();
+///         let bend = 1.0 / radius;
+///         Jet {
+///             value: 0.5 * (square * bend - radius),
+///             gradient: point.map(|v| v * bend),
+///             hessian: [bend, bend, bend, 0.0, 0.0, 0.0],
+///         }
+///     }
+///
+///     fn at(&self, index: [i64; 3]) -> Jet {
+///         self.jet(index.map(|v| v as f64))
+///     }
+/// }
+///
+/// impl Embedding for Ball {
+///     type Value = f64;
+///
+///     fn support(&self, half_width: f64) -> IndexBox {
+///         IndexBox::voxel([0; 3]).grown([(self.0 + half_width).ceil() as i64; 3])
+///     }
+///
+///     fn halo(&self, _half_width: f64) -> [i64; 3] {
+///         [0; 3]
+///     }
+///
+///     fn evaluate_in(&self, storage: Vec<f64>, region: &IndexBox, _half_width: f64) -> Block<f64> {
+///         let mut phi = Block::reusing(storage, *region, 0.0);
+///         for (y, z) in region.rows() {
+///             for (x, value) in (region.lower[0]..).zip(phi.row_mut(y, z)) {
+///                 *value = self.at([x, y, z]).value;
+///             }
+///         }
+///         phi
+///     }
+///
+///     fn constant_on(&self, _region: &IndexBox, _half_width: f64) -> Option<f64> {
+///         None
+///     }
+/// }
+///
+/// impl Differentiation for Ball {
+///     type Field = Self;
+///
+///     fn embedding(&self) -> &Self {
+///         self
+///     }
+///
+///     fn field_region(&self, tile: &IndexBox) -> IndexBox {
+///         tile.grown([1; 3])
+///     }
+///
+///     fn visit_band(
+///         &self,
+///         field: &Block<f64>,
+///         tile: &IndexBox,
+///         half_width: f64,
+///         visit: &mut dyn FnMut(&BandVoxels),
+///     ) {
+///         let rows = tile.rows().flat_map(|(y, z)| (tile.lower[0]..tile.upper[0]).map(move |x| [x, y, z]));
+///         let near = rows.filter(|&index| field.get(index).abs() <= half_width);
+///         BandVoxels::hand_on(near.map(|index| BandVoxel { index, jet: self.at(index) }), visit);
+///     }
+///
+///     fn jets_at(&self, _field: &Block<f64>, points: &[[f64; 3]]) -> Vec<Jet> {
+///         points.iter().map(|&point| self.jet(point)).collect()
+///     }
+/// }
+///
+/// let ball = Ball(12.3);
+/// let band = Band::new(SmearedDelta::new(Smearing::Sine, 1.5, f64::INFINITY), 3.0);
+/// let tiles = ball.support(2.0).tiles(TILE);
+/// let sums = integrate_boxes(&ball, &tiles, &band, &Quadrature::unbounded(QuadratureRule::Sum));
+/// let integrals = Integrals::of(&sums, Spacing::new([1.0; 3])?);
+/// let area = 4.0 * std::f64::consts::PI * 12.3 * 12.3;
+/// assert!((integrals.surface.area / area - 1.0).abs() < 0.01);
+/// # Ok::<(), surfometry::volume::VolumeError>(())
+/// ```
 pub trait Differentiation: Sync {
     /// The embedding.
     type Field: Embedding;

@@ -281,8 +281,9 @@ impl Setup {
     /// How far integrals are from exact; `None` where that was not studied.
     fn error_model(&self, integrals: &Integrals) -> Option<ErrorModel> {
         let (Some(model), Some(edges)) = (self.errors, self.soft) else { return self.errors };
+        let sampled = self.parameters.thickness_mm >= self.grid.spacing().largest();
         let occupancies = model.of_occupancies(&self.parameters.profile()?, self.band.delta());
-        edges.are_occupancies(self.original_area(integrals)).then_some(occupancies)
+        (sampled && edges.are_occupancies(self.original_area(integrals))).then_some(occupancies)
     }
 
     fn parameter_flags(

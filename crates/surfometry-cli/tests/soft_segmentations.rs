@@ -1,0 +1,86 @@
+//! Soft segmentations on the command line.
+
+use serde_json::Value;
+use std::path::Path;
+use std::process::{Command, Output};
+
+fn run(args: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_surfometry")).args(args).output().expect("it starts")
+}
+
+fn measured(args: &[&str]) -> Value {
+    let output = run(&[&["measure"], args, &["--format", "json"]].concat());
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    let document: Value = serde_json::from_slice(&output.stdout).unwrap();
+    document["results"][0].clone()
+}
+
+/// A ball of 10 voxels whose edge is as wide as a voxel, times a factor, as a NumPy file.
+fn write_ball(path: &Path, factor: f32) {
+    const SIDE: usize = 32;
+    let header = format!("{{'descr': '<f4', 'fortran_order': False, 'shape': ({SIDE}, {SIDE}, {SIDE}), }}");
+    let header = format!("{header:117}\n");
+    let mut bytes = b"\x93NUMPY\x01\x00".to_vec();
+    bytes.extend((header.len() as u16).to_le_bytes());
+    bytes.extend(header.as_bytes());
+    let square = |v: usize| (v as f32 - 15.4).powi(2);
+    for n in 0..SIDE.pow(3) {
+        let distance = (square(n % SIDE) + square(n / SIDE % SIDE) + square(n / SIDE / SIDE)).sqrt();
+        bytes.extend((factor * (10.5 - distance).clamp(0.0, 1.0)).to_le_bytes());
+    }
+    std::fs::write(path, bytes).unwrap();
+}
+
+/// One object without a label, whose numbers are those of the ball.
+#[test]
+fn a_file_of_values_is_one_object() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("ball.npy");
+    write_ball(&path, 1.0);
+    let options = ["--spacing", "1,1,1", "--embedding", "probability"];
+    let record = measured(&[&[path.to_str().unwrap()], &options[..]].concat());
+    assert_eq!(record["label"], Value::Null);
+    assert_eq!(record["surface"], "original");
+    assert_eq!(record["parameters"]["embedding"], "probability");
+    let volume = record["volume_mm3"].as_f64().unwrap();
+    assert!((volume / (4.0 / 3.0 * std::f64::consts::PI * 1e3) - 1.0).abs() < 2e-3, "{volume}");
+    assert!(record["standard_error"]["volume_mm3"].as_f64().unwrap() < 0.002 * volume);
+    // Its surface can be had as well.
+    let mesh = folder.path().join("ball.ply");
+    let map = run(&[&["map", path.to_str().unwrap(), "-o", mesh.to_str().unwrap()], &options[..]].concat());
+    assert_eq!(map.status.code(), Some(0), "{}", String::from_utf8_lossy(&map.stderr));
+    assert!(mesh.exists());
+}
+
+/// A built-in shape is zeros and ones, with its truth.
+#[test]
+fn a_phantom_is_a_mask() {
+    let ball = "phantom:ball?radius=9&shift=0.2,0.3,0.4";
+    let mut soft = measured(&[ball, "--embedding", "probability"]);
+    let mask = measured(&[ball]);
+    assert_eq!((&soft["label"], &mask["label"]), (&Value::Null, &Value::from(1)));
+    soft["label"] = mask["label"].clone();
+    soft["parameters"]["embedding"] = "gaussian".into();
+    for field in ["seconds", "read_seconds"] {
+        soft[field] = mask[field].clone();
+    }
+    assert_eq!(soft, mask);
+}
+
+#[test]
+fn what_is_no_probability_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("percent.npy");
+    write_ball(&path, 100.0);
+    let input = [path.to_str().unwrap(), "--spacing", "1,1,1", "--embedding", "probability"];
+    let refused = run(&[&["measure"], &input[..]].concat());
+    let message = String::from_utf8_lossy(&refused.stderr).into_owned();
+    assert_ne!(refused.status.code(), Some(0));
+    assert!(message.contains("voxel [") && message.contains("percent"), "{message}");
+    write_ball(&path, 1.0);
+    for option in [["--label", "1"].as_slice(), &["--per-component"]] {
+        let refused = run(&[&["measure"], &input[..], option].concat());
+        assert_ne!(refused.status.code(), Some(0), "{option:?}");
+        assert!(String::from_utf8_lossy(&refused.stderr).contains("no labels"), "{option:?}");
+    }
+}
