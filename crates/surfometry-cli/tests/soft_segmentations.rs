@@ -3,6 +3,8 @@
 use serde_json::Value;
 use std::path::Path;
 use std::process::{Command, Output};
+use surfometry::io::write_voxel_map;
+use surfometry::volume::Grid;
 
 fn run(args: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_surfometry")).args(args).output().expect("it starts")
@@ -15,29 +17,24 @@ fn measured(args: &[&str]) -> Value {
     document["results"][0].clone()
 }
 
-/// A ball of 10 voxels whose edge is as wide as a voxel, times a factor, as a NumPy file.
+/// A ball of 10 voxels whose edge is as wide as a voxel, times a factor.
 fn write_ball(path: &Path, factor: f32) {
-    const SIDE: usize = 32;
-    let header = format!("{{'descr': '<f4', 'fortran_order': False, 'shape': ({SIDE}, {SIDE}, {SIDE}), }}");
-    let header = format!("{header:117}\n");
-    let mut bytes = b"\x93NUMPY\x01\x00".to_vec();
-    bytes.extend((header.len() as u16).to_le_bytes());
-    bytes.extend(header.as_bytes());
-    let square = |v: usize| (v as f32 - 15.4).powi(2);
-    for n in 0..SIDE.pow(3) {
-        let distance = (square(n % SIDE) + square(n / SIDE % SIDE) + square(n / SIDE / SIDE)).sqrt();
-        bytes.extend((factor * (10.5 - distance).clamp(0.0, 1.0)).to_le_bytes());
-    }
-    std::fs::write(path, bytes).unwrap();
+    let grid = Grid::axis_aligned([32; 3], [1.0; 3]).unwrap();
+    let value = |number: usize| {
+        let square: f32 = grid.index_of(number).iter().map(|&v| (v as f32 - 15.4).powi(2)).sum();
+        factor * (10.5 - square.sqrt()).clamp(0.0, 1.0)
+    };
+    let values: Vec<f32> = (0..grid.voxel_count()).map(value).collect();
+    write_voxel_map(path, &grid, &values, "share").unwrap();
 }
 
 /// One object without a label, whose numbers are those of the ball.
 #[test]
 fn a_file_of_values_is_one_object() {
     let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("ball.npy");
+    let path = folder.path().join("ball.nii");
     write_ball(&path, 1.0);
-    let options = ["--spacing", "1,1,1", "--embedding", "probability"];
+    let options = ["--embedding", "probability"];
     let record = measured(&[&[path.to_str().unwrap()], &options[..]].concat());
     assert_eq!(record["label"], Value::Null);
     assert_eq!(record["surface"], "original");
@@ -70,9 +67,9 @@ fn a_phantom_is_a_mask() {
 #[test]
 fn what_is_no_probability_is_refused() {
     let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("percent.npy");
+    let path = folder.path().join("percent.nii.gz");
     write_ball(&path, 100.0);
-    let input = [path.to_str().unwrap(), "--spacing", "1,1,1", "--embedding", "probability"];
+    let input = [path.to_str().unwrap(), "--embedding", "probability"];
     let refused = run(&[&["measure"], &input[..]].concat());
     let message = String::from_utf8_lossy(&refused.stderr).into_owned();
     assert_ne!(refused.status.code(), Some(0));
