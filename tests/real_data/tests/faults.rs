@@ -26,6 +26,15 @@ fn damaged_streams_are_refused() {
 
 #[test]
 #[cfg_attr(not(shared_data), ignore = "../shared/data is absent")]
+fn an_unknown_header_is_told() {
+    let input = fault("io/B3_raw_512_bytes_too_long.mhd");
+    let source = surfometry::inputs::open(input.to_str().unwrap(), &Default::default()).unwrap();
+    let flags = source.flags();
+    assert!(flags[0].message.contains("512 bytes more"), "{flags:?}");
+}
+
+#[test]
+#[cfg_attr(not(shared_data), ignore = "../shared/data is absent")]
 fn spacings_that_no_voxel_has_are_refused() {
     for name in ["spacing_3e38_hang.nii", "one_flipped_bit_hang.nii.gz"] {
         let message = refusal(&format!("reliability/{name}"));

@@ -7,6 +7,9 @@ use std::path::PathBuf;
 use surfometry::phantoms::cohort;
 use surfometry::runs::write_cohort;
 
+/// Most bones of a kind: a file each.
+const MOST: i64 = 100_000;
+
 /// Write a cohort of femurs and vertebrae like the paper's, and a table of their exact integrals
 ///
 /// Each is a phantom with a shape, size, pose and spacing of its own, the same at every run. truth.csv can be given to `compare`. Files that are there already are
@@ -17,10 +20,10 @@ pub(crate) struct Args {
     #[arg(short, long, value_name = "FOLDER")]
     output: PathBuf,
     /// Right proximal femurs
-    #[arg(long, default_value_t = 50)]
+    #[arg(long, default_value_t = 50, value_parser = clap::value_parser!(u32).range(..=MOST))]
     femurs: u32,
     /// Fourth lumbar vertebrae
-    #[arg(long, default_value_t = 50)]
+    #[arg(long, default_value_t = 50, value_parser = clap::value_parser!(u32).range(..=MOST))]
     vertebrae: u32,
 }
 

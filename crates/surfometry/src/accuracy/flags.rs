@@ -61,6 +61,8 @@ pub enum FlagCode {
     TruthNotConverged,
     /// The header names two different spacings.
     SpacingConflict,
+    /// The file holds more than its header needs.
+    SurplusData,
 }
 
 impl fmt::Display for FlagCode {

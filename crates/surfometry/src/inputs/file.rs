@@ -6,6 +6,8 @@ use crate::accuracy::{Flag, FlagCode};
 use crate::io::{ImageHeader, VoxelStream, read_header};
 use crate::volume::Grid;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 /// An image in a file, or in two: header and data.
 pub(super) struct FileSource {
@@ -13,13 +15,16 @@ pub(super) struct FileSource {
     header: ImageHeader,
     grid: Grid,
     replaced: bool,
+    /// Bytes behind the last voxel: of compressed data known once they were read.
+    surplus: Arc<AtomicU64>,
 }
 
 impl FileSource {
     pub(super) fn open(path: &Path, options: &OpenOptions) -> Result<Self, InputError> {
         let header = read_header(path)?;
         let grid = header.grid(options.spacing)?;
-        Ok(Self { path: path.to_owned(), header, grid, replaced: options.spacing.is_some() })
+        let surplus = Arc::new(AtomicU64::new(header.raw_surplus()));
+        Ok(Self { path: path.to_owned(), header, grid, replaced: options.spacing.is_some(), surplus })
     }
 }
 
@@ -29,7 +34,11 @@ impl Source for FileSource {
     }
 
     fn slabs(&self) -> Result<Slabs<'_>, InputError> {
-        Ok(Box::new(Reader(VoxelStream::of_header(self.header.clone(), self.grid)?)))
+        Ok(Box::new(Reader(VoxelStream::of_header(
+            self.header.clone(),
+            self.grid,
+            Arc::clone(&self.surplus),
+        )?)))
     }
 
     fn header(&self) -> HeaderFacts {
@@ -44,7 +53,8 @@ impl Source for FileSource {
     }
 
     fn flags(&self) -> Vec<Flag> {
-        if self.replaced { Vec::new() } else { conflict_flag(&self.header).into_iter().collect() }
+        let conflict = conflict_flag(&self.header).filter(|_| !self.replaced);
+        conflict.into_iter().chain(surplus_flag(self.surplus.load(Ordering::Relaxed))).collect()
     }
 }
 
@@ -57,4 +67,13 @@ fn conflict_flag(header: &ImageHeader) -> Option<Flag> {
          right, and give the spacing where it is the other"
     );
     Some(Flag::new(FlagCode::SpacingConflict, message))
+}
+
+/// A warning where bytes follow the last voxel.
+fn surplus_flag(bytes: u64) -> Option<Flag> {
+    let message = format!(
+        "the data hold {bytes} bytes more than the header needs: is there an unknown header in front of the voxels, so that all are read in the wrong \
+         place, or are the dimensions wrong?"
+    );
+    (bytes > 0).then(|| Flag::new(FlagCode::SurplusData, message))
 }

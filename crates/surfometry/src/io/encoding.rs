@@ -1,7 +1,7 @@
 //! Decoders of voxel data.
 
 use super::ReadError;
-use super::header::{DataOffset, Encoding, VoxelData};
+use super::header::{DataOffset, Encoding, VoxelData, open_file};
 use super::members::Members;
 use bzip2::bufread::BzDecoder;
 use flate2::bufread::{GzDecoder, ZlibDecoder};
@@ -43,8 +43,7 @@ pub(crate) fn open(
     spent: &Arc<AtomicU64>,
 ) -> Result<Box<dyn Read + Send>, ReadError> {
     let io_error = |e| ReadError::io(&data.path, e);
-    let mut file = File::open(&data.path).map_err(io_error)?;
-    let size = file.metadata().map_err(io_error)?.len();
+    let (mut file, size) = open_file(&data.path)?;
     let (start, skip) = match data.offset {
         DataOffset::Stored(start) => (start, 0),
         DataOffset::Decoded(skip) => (0, skip),

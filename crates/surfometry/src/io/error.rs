@@ -17,6 +17,14 @@ pub enum ReadError {
         /// What the system said.
         source: io::Error,
     },
+    /// Not a file, where one is named.
+    #[error("{path}: {kind}, not a file; name the file that holds the data", path = path.display())]
+    NotAFile {
+        /// What is named.
+        path: PathBuf,
+        /// What it is.
+        kind: &'static str,
+    },
     /// No supported format.
     #[error("{0}")]
     UnknownFormat(String),

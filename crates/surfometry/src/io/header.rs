@@ -155,6 +155,24 @@ impl ImageHeader {
     }
 }
 
+impl ImageHeader {
+    /// Bytes that the voxels take.
+    pub(crate) fn voxel_bytes(&self) -> u64 {
+        self.dimensions.iter().map(|&n| n as u64).product::<u64>() * self.scalar.bytes() as u64
+    }
+
+    /// Bytes of the data file behind the last voxel of raw data; none where the voxels are said to end the file, or cannot be found.
+    pub(crate) fn raw_surplus(&self) -> u64 {
+        let size = self.data.path.metadata().map_or(0, |metadata| metadata.len());
+        match (self.data.encoding, self.data.offset) {
+            (Encoding::Raw, DataOffset::Stored(start)) => {
+                size.saturating_sub(start).saturating_sub(self.voxel_bytes())
+            }
+            _ => 0,
+        }
+    }
+}
+
 /// Three dimensions out of a header's list: trailing axes of one voxel are dropped, anything else is refused.
 pub(crate) fn three_dimensions(stored: &[usize]) -> Result<[usize; 3], ReadError> {
     if stored.contains(&0) || stored.is_empty() {
@@ -180,10 +198,21 @@ pub(crate) fn refuse_several<'a>(
     }
 }
 
+/// Opens a file, and says how many bytes it has. A pipe, a device or a folder is refused before it is touched: opening a pipe waits for who writes to it.
+pub(crate) fn open_file(path: &Path) -> Result<(File, u64), ReadError> {
+    let failed = |e| ReadError::io(path, e);
+    let metadata = path.metadata().map_err(failed)?;
+    if !metadata.is_file() {
+        let kind = if metadata.is_dir() { "a folder" } else { "a device or pipe" };
+        return Err(ReadError::NotAFile { path: path.to_owned(), kind });
+    }
+    Ok((File::open(path).map_err(failed)?, metadata.len()))
+}
+
 /// Reads the start of a file, at most `limit` bytes.
 pub(crate) fn read_start(path: &Path, limit: u64) -> Result<Vec<u8>, ReadError> {
     let mut bytes = Vec::new();
-    let file = File::open(path).map_err(|e| ReadError::io(path, e))?;
+    let (file, _) = open_file(path)?;
     file.take(limit).read_to_end(&mut bytes).map_err(|e| ReadError::io(path, e))?;
     Ok(bytes)
 }

@@ -10,6 +10,9 @@ use crate::volume::{Affine, ScalarType};
 use std::collections::HashMap;
 use std::path::Path;
 
+/// Axes that MetaIO allows.
+const MOST_AXES: usize = 10;
+
 fn error(reason: impl Into<String>) -> ReadError {
     ReadError::Header { format: "MetaImage", reason: reason.into() }
 }
@@ -20,6 +23,9 @@ pub(super) fn read_header(path: &Path) -> Result<ImageHeader, ReadError> {
     let keys = Keys::read(&mut lines)?;
     let axes: Vec<usize> =
         keys.list("DimSize")?.ok_or_else(|| error("no DimSize; is this a MetaImage file?"))?;
+    if axes.len() > MOST_AXES {
+        return Err(error(format!("{} axes; MetaImage has at most {MOST_AXES}", axes.len())));
+    }
     let channels: usize = keys.one("ElementNumberOfChannels")?.unwrap_or(1);
     if channels > 1 {
         return Err(ReadError::SeveralVolumes { dimensions: axes, count: channels });
@@ -72,8 +78,14 @@ impl Keys {
         Ok(self.list(key)?.and_then(|list| list.first().copied()))
     }
 
-    fn is_true(&self, key: &str) -> bool {
-        self.text(key).is_some_and(|v| v.eq_ignore_ascii_case("true") || v == "1")
+    /// Whether a key says yes, no, or is not there. MetaIO looks at the first letter.
+    fn flag(&self, key: &str) -> Result<Option<bool>, ReadError> {
+        let Some(text) = self.text(key) else { return Ok(None) };
+        match text.as_bytes().first() {
+            Some(b'T' | b't' | b'1') => Ok(Some(true)),
+            Some(b'F' | b'f' | b'0') => Ok(Some(false)),
+            _ => Err(error(format!("{key} = {text} is neither True nor False"))),
+        }
     }
 }
 
@@ -132,7 +144,7 @@ fn affine(keys: &Keys, axes: usize) -> Result<Option<Affine>, ReadError> {
 
 fn data(path: &Path, keys: &Keys, header_end: u64) -> Result<VoxelData, ReadError> {
     let file = keys.text("ElementDataFile").unwrap_or_default();
-    if keys.text("BinaryData").is_some_and(|v| v.eq_ignore_ascii_case("false")) {
+    if keys.flag("BinaryData")? == Some(false) {
         return Err(error("voxels written as text; save the image with binary data"));
     }
     if file == "LIST" || file.contains('%') {
@@ -147,10 +159,11 @@ fn data(path: &Path, keys: &Keys, header_end: u64) -> Result<VoxelData, ReadErro
             DataOffset::Stored(u64::try_from(skip).map_err(|_| error(format!("HeaderSize = {skip}")))?)
         }
     };
-    let big = keys.is_true("BinaryDataByteOrderMSB") || keys.is_true("ElementByteOrderMSB");
+    let big = keys.flag("BinaryDataByteOrderMSB")?.or(keys.flag("ElementByteOrderMSB")?) == Some(true);
+    let compressed = keys.flag("CompressedData")? == Some(true);
     Ok(VoxelData {
         path: if local { path.to_owned() } else { beside(path, file) },
-        encoding: if keys.is_true("CompressedData") { Encoding::Zlib } else { Encoding::Raw },
+        encoding: if compressed { Encoding::Zlib } else { Encoding::Raw },
         offset,
         order: if big { ByteOrder::Big } else { ByteOrder::Little },
         scaling: None,

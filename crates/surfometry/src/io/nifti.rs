@@ -6,10 +6,11 @@
 //! nifti1.h and nifti2.h, <https://nifti.nimh.nih.gov>.
 
 use super::ReadError;
-use super::header::{ByteOrder, DataOffset, Encoding, Format, ImageHeader, VoxelData, three_dimensions};
+use super::header::{
+    ByteOrder, DataOffset, Encoding, Format, ImageHeader, VoxelData, open_file, three_dimensions,
+};
 use crate::volume::{Affine, ScalarType};
 use flate2::read::{GzDecoder, MultiGzDecoder};
-use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
@@ -17,6 +18,8 @@ const SIZE_1: i32 = 348;
 const SIZE_2: i32 = 540;
 /// Bytes of a header with its extensions; bounds what is read of a file that is none.
 const LONGEST_HEADER: u64 = 1 << 24;
+/// Square of the real part of a quaternion below which it counts as none (nifti1_io).
+const HALF_TURN: f64 = 1e-7;
 /// Relative difference of pixdim and sform spacings that is worth a warning.
 const CONFLICT: f64 = 0.01;
 
@@ -85,7 +88,7 @@ fn is_gzip(path: &Path) -> Result<bool, ReadError> {
 
 fn header_bytes(path: &Path) -> Result<(Vec<u8>, bool), ReadError> {
     let gzipped = is_gzip(path)?;
-    let file = File::open(path).map_err(|e| ReadError::io(path, e))?;
+    let (file, _) = open_file(path)?;
     let reader: Box<dyn Read> = if gzipped { Box::new(MultiGzDecoder::new(file)) } else { Box::new(file) };
     let mut bytes = Vec::new();
     let outcome = reader.take(SIZE_2 as u64).read_to_end(&mut bytes);
@@ -101,7 +104,7 @@ fn header_bytes(path: &Path) -> Result<(Vec<u8>, bool), ReadError> {
 
 /// Reads a compressed header to its end: that of a pair is not compared when the voxels are.
 fn compare_checksum(path: &Path) -> Result<(), ReadError> {
-    let file = File::open(path).map_err(|e| ReadError::io(path, e))?;
+    let (file, _) = open_file(path)?;
     std::io::copy(&mut GzDecoder::new(file).take(LONGEST_HEADER), &mut std::io::sink())
         .map(drop)
         .map_err(|e| error(format!("{e}; copy or export the file again")))
@@ -288,7 +291,14 @@ impl Fields {
     /// Unit vectors of the image axes from the quaternion (nifti1.h, method 2).
     fn quaternion_directions(&self) -> [[f64; 3]; 3] {
         let [b, c, d] = self.quaternion;
-        let a = libm::sqrt((1.0 - b * b - c * c - d * d).max(0.0));
+        let square = b * b + c * c + d * d;
+        // As nifti1_io has it: of a quaternion longer than 1, or as long, the rotation is by 180 degrees about its axis.
+        let (a, length) = if 1.0 - square < HALF_TURN {
+            (0.0, libm::sqrt(square))
+        } else {
+            (libm::sqrt(1.0 - square), 1.0)
+        };
+        let [b, c, d] = [b, c, d].map(|v| v / length);
         let x = [a * a + b * b - c * c - d * d, 2.0 * (b * c + a * d), 2.0 * (b * d - a * c)];
         let y = [2.0 * (b * c - a * d), a * a + c * c - b * b - d * d, 2.0 * (c * d + a * b)];
         let z = [2.0 * (b * d + a * c), 2.0 * (c * d - a * b), a * a + d * d - b * b - c * c];

@@ -3,10 +3,11 @@
 //! The header is read by `npyz`; voxels are decoded in bulk here, since that crate does it one by one.
 
 use super::ReadError;
-use super::header::{ByteOrder, DataOffset, Encoding, Format, ImageHeader, VoxelData, three_dimensions};
+use super::header::{
+    ByteOrder, DataOffset, Encoding, Format, ImageHeader, VoxelData, open_file, three_dimensions,
+};
 use crate::volume::ScalarType;
 use npyz::{DType, Endianness, NpyHeader, Order, TypeChar};
-use std::fs::File;
 use std::io::{BufReader, Seek};
 use std::path::Path;
 
@@ -16,7 +17,7 @@ fn error(reason: impl Into<String>) -> ReadError {
 
 /// Reads the header of a .npy file: in C order the last axis is x, in Fortran order the first.
 pub(super) fn read_header(path: &Path) -> Result<ImageHeader, ReadError> {
-    let file = File::open(path).map_err(|e| ReadError::io(path, e))?;
+    let (file, _) = open_file(path)?;
     let mut reader = BufReader::new(file);
     let header = NpyHeader::from_reader(&mut reader)
         .map_err(|e| error(format!("{e}; save the array again with numpy.save")))?;

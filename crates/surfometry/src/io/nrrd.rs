@@ -12,6 +12,9 @@ use crate::volume::{Affine, ScalarType};
 use std::collections::HashMap;
 use std::path::Path;
 
+/// Axes that the format allows (NRRD_DIM_MAX).
+const MOST_AXES: usize = 16;
+
 fn error(reason: impl Into<String>) -> ReadError {
     ReadError::Header { format: "NRRD", reason: reason.into() }
 }
@@ -25,6 +28,9 @@ pub(super) fn read_header(path: &Path) -> Result<ImageHeader, ReadError> {
     let fields = Fields::read(&mut lines);
     let sizes: Vec<usize> =
         numbers(fields.required("sizes")?).ok_or_else(|| error("`sizes` cannot be read"))?;
+    if sizes.len() > MOST_AXES {
+        return Err(error(format!("{} axes; NRRD has at most {MOST_AXES}", sizes.len())));
+    }
     let scalar = scalar(fields.required("type")?)?;
     let axes = spatial_axes(&fields, &sizes)?;
     let dimensions = three_dimensions(&axes.iter().map(|&a| sizes[a]).collect::<Vec<_>>())?;
@@ -97,8 +103,9 @@ fn scalar(name: &str) -> Result<ScalarType, ReadError> {
 
 /// The axes that are space. Others (vectors, segment layers, time) may only have one sample.
 fn spatial_axes(fields: &Fields, sizes: &[usize]) -> Result<Vec<usize>, ReadError> {
-    let is_space = |axis: usize| match (fields.get(&["space directions"]), fields.get(&["kinds"])) {
-        (Some(directions), _) => directions_of(directions).get(axis).is_none_or(Option::is_some),
+    let directions = fields.get(&["space directions"]).map(directions_of);
+    let is_space = |axis: usize| match (&directions, fields.get(&["kinds"])) {
+        (Some(directions), _) => directions.get(axis).is_none_or(Option::is_some),
         (None, Some(kinds)) => {
             kinds.split_whitespace().nth(axis).is_none_or(|k| matches!(k, "domain" | "space" | "???"))
         }
@@ -195,7 +202,7 @@ fn unit(fields: &Fields) -> Result<f64, ReadError> {
 }
 
 fn data(path: &Path, fields: &Fields, scalar: ScalarType, header_end: u64) -> Result<VoxelData, ReadError> {
-    let encoding = match fields.required("encoding")? {
+    let encoding = match fields.required("encoding")?.to_lowercase().as_str() {
         "raw" => Encoding::Raw,
         "gzip" | "gz" => Encoding::Gzip,
         "bzip2" | "bz2" => Encoding::Bzip2,
@@ -223,7 +230,7 @@ fn data(path: &Path, fields: &Fields, scalar: ScalarType, header_end: u64) -> Re
         (Err(_), Encoding::Raw) => DataOffset::FromEnd,
         _ => return Err(error(format!("`byte skip: {skip}` with compressed data is not supported"))),
     };
-    let order = match fields.get(&["endian"]) {
+    let order = match fields.get(&["endian"]).map(str::to_lowercase).as_deref() {
         Some("big") => ByteOrder::Big,
         Some("little") => ByteOrder::Little,
         None if scalar.bytes() == 1 => ByteOrder::Little,

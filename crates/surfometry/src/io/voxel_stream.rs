@@ -3,7 +3,8 @@
 use super::encoding;
 use super::header::{ByteOrder, Encoding};
 use super::{ImageHeader, ReadError, ReadOptions};
-use crate::volume::{Grid, Samples, ScalarType, Slab, SlabReader, VolumeError, slices_a_slab};
+use crate::volume::{Grid, Samples, ScalarType, Slab, SlabReader, VolumeError, collected, slices_a_slab};
+use std::collections::TryReserveError;
 use std::io::{self, Read};
 use std::path::Path;
 use std::sync::Arc;
@@ -21,6 +22,8 @@ pub struct VoxelStream {
     next_slice: usize,
     buffer: Vec<u8>,
     file_nanoseconds: Arc<AtomicU64>,
+    /// Bytes of compressed data behind the last voxel, once they were read.
+    surplus: Arc<AtomicU64>,
 }
 
 impl VoxelStream {
@@ -31,14 +34,18 @@ impl VoxelStream {
     pub fn open(path: &Path, options: ReadOptions) -> Result<Self, ReadError> {
         let header = super::read_header(path)?;
         let grid = header.grid(options.spacing)?;
-        Self::of_header(header, grid)
+        Self::of_header(header, grid, Arc::default())
     }
 
-    /// Opens the data of a file whose header was read.
-    pub(crate) fn of_header(header: ImageHeader, grid: Grid) -> Result<Self, ReadError> {
+    /// Opens the data of a file whose header was read; how many bytes follow the voxels of compressed data is told in `surplus`, when all is read.
+    pub(crate) fn of_header(
+        header: ImageHeader,
+        grid: Grid,
+        surplus: Arc<AtomicU64>,
+    ) -> Result<Self, ReadError> {
         let file_nanoseconds = Arc::default();
-        let voxels = encoding::open(&header.data, total_bytes(&header), &file_nanoseconds)?;
-        Ok(Self { header, grid, voxels, next_slice: 0, buffer: Vec::new(), file_nanoseconds })
+        let voxels = encoding::open(&header.data, header.voxel_bytes(), &file_nanoseconds)?;
+        Ok(Self { header, grid, voxels, next_slice: 0, buffer: Vec::new(), file_nanoseconds, surplus })
     }
 
     /// The file's header.
@@ -53,7 +60,7 @@ impl VoxelStream {
         self.buffer.try_reserve_exact(bytes).map_err(too_large)?;
         let outcome = self.voxels.by_ref().take(bytes as u64).read_to_end(&mut self.buffer);
         let filled = self.buffer.len();
-        let expected = total_bytes(&self.header);
+        let expected = self.header.voxel_bytes();
         let [nx, ny, _] = self.header.dimensions;
         let before = (self.next_slice * nx * ny * self.header.scalar.bytes()) as u64;
         let found = before + filled as u64;
@@ -68,23 +75,32 @@ impl VoxelStream {
         }
     }
 
+    /// What the buffer holds, as numbers.
+    fn decode(&mut self) -> Result<Samples, TryReserveError> {
+        let data = &self.header.data;
+        let samples = decode(self.header.scalar, data.order, &mut self.buffer)?;
+        match data.scaling {
+            Some((slope, intercept)) => samples.scaled(slope, intercept),
+            None => Ok(samples),
+        }
+    }
+
     /// Reads on to the end of compressed data, where decoders compare their checksums: damage may make a stream longer than it was.
     fn finish(&mut self) -> Result<(), ReadError> {
-        let expected = total_bytes(&self.header);
+        let expected = self.header.voxel_bytes();
         if self.header.data.encoding == Encoding::Raw {
             return Ok(());
         }
         let most = expected.max(MOST_SURPLUS);
         match io::copy(&mut self.voxels.by_ref().take(most), &mut io::sink()) {
             Ok(surplus) if surplus == most => Err(ReadError::Endless { expected, surplus }),
-            Ok(_) => Ok(()),
+            Ok(surplus) => {
+                self.surplus.store(surplus, Ordering::Relaxed);
+                Ok(())
+            }
             Err(source) => Err(ReadError::Decompression { found: expected, expected, source }),
         }
     }
-}
-
-fn total_bytes(header: &ImageHeader) -> u64 {
-    header.dimensions.iter().map(|&n| n as u64).product::<u64>() * header.scalar.bytes() as u64
 }
 
 impl SlabReader for VoxelStream {
@@ -107,10 +123,8 @@ impl SlabReader for VoxelStream {
         let bytes = self.header.scalar.bytes();
         let last = (first + slices_a_slab(self.header.dimensions, bytes)).min(nz);
         self.fill((last - first) * nx * ny * bytes)?;
-        let mut samples = decode(self.header.scalar, self.header.data.order, &self.buffer);
-        if let Some((slope, intercept)) = self.header.data.scaling {
-            samples = samples.scaled(slope, intercept);
-        }
+        let samples =
+            self.decode().map_err(|_| VolumeError::TooLarge { dimensions: self.header.dimensions })?;
         self.next_slice = last;
         if last == nz {
             self.finish()?;
@@ -124,15 +138,16 @@ macro_rules! numbers {
         let chunks =
             $bytes.chunks_exact(size_of::<$type>()).map(|c| c.try_into().expect("chunk of the type's size"));
         match $order {
-            ByteOrder::Little => chunks.map(<$type>::from_le_bytes).collect(),
-            ByteOrder::Big => chunks.map(<$type>::from_be_bytes).collect(),
+            ByteOrder::Little => collected(chunks.map(<$type>::from_le_bytes))?,
+            ByteOrder::Big => collected(chunks.map(<$type>::from_be_bytes))?,
         }
     }};
 }
 
-fn decode(scalar: ScalarType, order: ByteOrder, bytes: &[u8]) -> Samples {
-    match scalar {
-        ScalarType::U8 => Samples::U8(bytes.to_vec()),
+/// Bytes as numbers; those that are bytes themselves are taken as they are.
+fn decode(scalar: ScalarType, order: ByteOrder, bytes: &mut Vec<u8>) -> Result<Samples, TryReserveError> {
+    Ok(match scalar {
+        ScalarType::U8 => Samples::U8(std::mem::take(bytes)),
         ScalarType::I8 => Samples::I8(numbers!(i8, order, bytes)),
         ScalarType::U16 => Samples::U16(numbers!(u16, order, bytes)),
         ScalarType::I16 => Samples::I16(numbers!(i16, order, bytes)),
@@ -142,5 +157,5 @@ fn decode(scalar: ScalarType, order: ByteOrder, bytes: &[u8]) -> Samples {
         ScalarType::I64 => Samples::I64(numbers!(i64, order, bytes)),
         ScalarType::F32 => Samples::F32(numbers!(f32, order, bytes)),
         ScalarType::F64 => Samples::F64(numbers!(f64, order, bytes)),
-    }
+    })
 }

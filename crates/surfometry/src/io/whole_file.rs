@@ -30,6 +30,11 @@ pub fn write_whole(
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
     let mut file = builder.tempfile_in(folder)?;
     write_to(file.as_file_mut(), write)?;
+    if let Ok(replaced) = fs::metadata(&target) {
+        file.as_file().set_permissions(replaced.permissions())?;
+    }
+    // Before its name: after a loss of power there is the old file or the new one, not an empty one.
+    file.as_file().sync_all()?;
     file.persist(target)?;
     Ok(())
 }
@@ -77,6 +82,12 @@ mod tests {
         let plain = folder.path().join("plain");
         fs::write(&plain, b"").unwrap();
         assert_eq!(mode(&real), mode(&plain));
+        // A replaced file keeps who may read it.
+        for bits in [0o640, 0o600, 0o664] {
+            fs::set_permissions(&real, fs::Permissions::from_mode(bits)).unwrap();
+            write_whole(&link, |out| out.write_all(b"newer")).unwrap();
+            assert_eq!(mode(&real), bits);
+        }
         write_whole("/dev/null", |out| out.write_all(b"gone")).unwrap();
         assert!(!fs::metadata("/dev/null").unwrap().is_file());
     }

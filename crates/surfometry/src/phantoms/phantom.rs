@@ -2,7 +2,7 @@
 
 use super::chance::Chance;
 use super::{Pose, Shape, Truth};
-use crate::volume::{Affine, Grid, LabelImage, Slab, SlabReader, VolumeError, made_slab};
+use crate::volume::{Affine, Grid, LabelImage, Slab, SlabReader, VolumeError, check_made, made_slab};
 
 /// Background voxels around a phantom.
 const MARGIN: usize = 2;
@@ -27,6 +27,7 @@ impl Phantom {
         // The conversion saturates at what no grid accepts, with room for the margin.
         let voxels = |a: usize| (2.0 * reach[a] / spacing[a]).ceil().min(1e15) as usize;
         let dimensions: [usize; 3] = std::array::from_fn(|a| voxels(a) + 1 + 2 * MARGIN);
+        check_made(dimensions)?;
         let mut affine = Affine::diagonal(spacing);
         affine.origin = std::array::from_fn(|a| -0.5 * (dimensions[a] - 1) as f64 * spacing[a]);
         Ok(Self { shape: Box::new(shape), pose, grid: Grid::new(dimensions, affine)?, jitter: 0.0 })
@@ -100,6 +101,6 @@ impl SlabReader for PhantomSlabs<'_> {
     fn next_slab(&mut self) -> Result<Option<Slab>, VolumeError> {
         let phantom = self.phantom;
         let slice = |z: usize, voxels: &mut [u8]| phantom.slice(z, voxels);
-        Ok(made_slab(phantom.grid.dimensions(), &mut self.next_slice, slice))
+        made_slab(phantom.grid.dimensions(), &mut self.next_slice, slice)
     }
 }

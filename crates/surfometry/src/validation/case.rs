@@ -160,6 +160,11 @@ fn local_errors(phantom: &Phantom, mask: &Mask, curvature: f64) -> Result<LocalE
     let measurement = Measurement::default().for_local_curvature(mask, CurvatureScale::Auto)?;
     let object = measurement.prepare(mask)?;
     let surface = object.surface();
+    if surface.is_empty() {
+        return Err(MeasureError::Conflict(
+            "nothing is left of a shape at so coarse a resolution: take a larger one, or leave local curvature out",
+        ));
+    }
     let spacing = crate::accuracy::rms_spacing(mask.grid().spacing());
     let areas = surface.mesh.vertex_areas();
     // Squares of the errors of H, K and the place; where H and K lie within their bars; all times areas.

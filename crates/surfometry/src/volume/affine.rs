@@ -2,6 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
+/// How far a direction may be from unit length and count as rounded.
+const ROUNDING: f64 = 1e-6;
+
 /// Maps a voxel index (x, y, z) to world coordinates in mm: `linear * index + origin`.
 ///
 /// World axes are RAS (x to the right, y to the front, z to the head), as in NIfTI; readers of LPS formats
@@ -21,8 +24,9 @@ impl Affine {
         Self { linear: [[x, 0.0, 0.0], [0.0, y, 0.0], [0.0, 0.0, z]], origin: [0.0; 3] }
     }
 
-    /// From unit direction vectors (one an image axis), spacing and origin.
+    /// From direction vectors (one an image axis), spacing and origin. Lengths are the spacing's alone, whatever those of the directions are.
     pub fn from_directions(directions: [[f64; 3]; 3], spacing: [f64; 3], origin: [f64; 3]) -> Self {
+        let directions = directions.map(unit);
         let entry = |world: usize, axis: usize| directions[axis][world] * spacing[axis];
         Self { linear: std::array::from_fn(|w| std::array::from_fn(|a| entry(w, a))), origin }
     }
@@ -107,9 +111,25 @@ impl Affine {
     }
 }
 
+/// A direction at unit length, as it is where it has that up to rounding; one of no length stays so.
+fn unit(direction: [f64; 3]) -> [f64; 3] {
+    let length = libm::sqrt(direction.iter().map(|v| v * v).sum());
+    if length > 0.0 && (length - 1.0).abs() > ROUNDING { direction.map(|v| v / length) } else { direction }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn lengths_are_the_spacings() {
+        let twice = [[0.0, 2.0, 0.0], [-0.3, 0.0, 0.0], [0.0, 0.0, 1.0]];
+        let affine = Affine::from_directions(twice, [2.0, 3.0, 4.0], [0.0; 3]);
+        assert_eq!(affine.column_lengths(), [2.0, 3.0, 4.0]);
+        assert_eq!(affine.column(0), [0.0, 2.0, 0.0]);
+        let none = Affine::from_directions([[0.0; 3]; 3], [1.0; 3], [0.0; 3]);
+        assert_eq!(none.column_lengths(), [0.0; 3]);
+    }
 
     #[test]
     fn directions_are_columns() {

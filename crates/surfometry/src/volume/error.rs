@@ -73,6 +73,18 @@ pub enum VolumeError {
         /// Dimensions as stored.
         dimensions: Vec<usize>,
     },
+    /// More slices, rows or columns than any image has.
+    #[error(
+        "{voxels} voxels along axis {axis} are more than the {most} that an image may have: the header is damaged, or this axis is not one of space"
+    )]
+    LongAxis {
+        /// Axis 0, 1 or 2.
+        axis: usize,
+        /// Voxels along it.
+        voxels: usize,
+        /// The most.
+        most: usize,
+    },
     /// More voxels than can be counted or held.
     #[error(
         "an image of {dimensions:?} voxels is more than this machine's memory can hold; where a file's header says so it may \
@@ -96,6 +108,16 @@ pub enum VolumeError {
          where they are labels or a level set choose another embedding"
     )]
     NotAProbability {
+        /// Image index, x first.
+        index: [usize; 3],
+        /// The value.
+        value: f64,
+    },
+    /// A voxel of a field is so large that nothing can be computed from it.
+    #[error(
+        "voxel {index:?} of the field is {value:e}, beyond 1e30: scale the field, which changes no surface, or replace values that stand for none"
+    )]
+    HugeValue {
         /// Image index, x first.
         index: [usize; 3],
         /// The value.

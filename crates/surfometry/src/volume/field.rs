@@ -3,6 +3,9 @@
 use super::samples::for_samples;
 use super::{Grid, Mask, Samples, Scalar, SlabReader, VolumeError};
 
+/// Largest size of a value: squares and products of derivatives, which are taken in single precision first, must stay finite.
+const LARGEST: f64 = 1e30;
+
 /// A field phi on a grid, negative inside.
 #[derive(Debug, Clone)]
 pub struct FieldImage {
@@ -22,16 +25,22 @@ impl FieldImage {
     /// Takes a field's values, x fastest.
     ///
     /// # Errors
-    /// [`VolumeError`] where the number of values is not the grid's or a value is not finite.
+    /// [`VolumeError`] where the number of values is not the grid's, or a value is not finite or beyond 1e30.
     pub fn new(grid: Grid, values: FieldValues) -> Result<Self, VolumeError> {
         let (found, expected) = (values.len(), grid.voxel_count());
         if found != expected {
             return Err(VolumeError::Incomplete { found, expected });
         }
-        match (0..found).find(|&i| !values.get(i).is_finite()) {
-            Some(i) => Err(VolumeError::NotFinite { index: grid.index_of(i), value: values.get(i) }),
-            None => Ok(Self { grid, values }),
+        for i in 0..found {
+            let (index, value) = (grid.index_of(i), values.get(i));
+            if !value.is_finite() {
+                return Err(VolumeError::NotFinite { index, value });
+            }
+            if value.abs() > LARGEST {
+                return Err(VolumeError::HugeValue { index, value });
+            }
         }
+        Ok(Self { grid, values })
     }
 
     /// Reads a field from its slabs; double precision is kept, everything else becomes f32.

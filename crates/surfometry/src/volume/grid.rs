@@ -8,6 +8,9 @@ use serde::{Deserialize, Serialize};
 /// rounded ones of some exporters 1e-4; 1e-3 (0.06 degrees) changes an area by less than 1e-6.
 const SHEAR_TOLERANCE: f64 = 1e-3;
 
+/// Most voxels along an axis. Each slice and each row has memory of its own, however few voxels it has.
+const LONGEST_AXIS: usize = 1 << 20;
+
 /// Dimensions, spacing and index-to-world affine of an image. Axis 0 (x) is the fastest in memory.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "Lattice", into = "Lattice")]
@@ -113,12 +116,13 @@ fn check_dimensions(dimensions: [usize; 3]) -> Result<(), VolumeError> {
     if dimensions.contains(&0) {
         return Err(VolumeError::EmptyAxis { dimensions: dimensions.to_vec() });
     }
+    if let Some(axis) = dimensions.iter().position(|&n| n > LONGEST_AXIS) {
+        return Err(VolumeError::LongAxis { axis, voxels: dimensions[axis], most: LONGEST_AXIS });
+    }
     let voxels = dimensions.iter().try_fold(1usize, |product, &n| product.checked_mul(n));
     // Room for 8-byte values and for signed index arithmetic with halos.
     match voxels {
-        Some(n) if n <= isize::MAX as usize / 16 && dimensions.iter().all(|&n| i32::try_from(n).is_ok()) => {
-            Ok(())
-        }
+        Some(n) if n <= isize::MAX as usize / 16 => Ok(()),
         _ => Err(VolumeError::TooLarge { dimensions }),
     }
 }

@@ -25,11 +25,12 @@ pub(crate) use labels::RunEncoder;
 pub use labels::{LabelImage, LabelSummary};
 pub use mask::Mask;
 pub use probability::ProbabilityImage;
+pub(crate) use samples::collected;
 pub use samples::{Samples, Scalar, ScalarType};
 pub use selection::{LabelGroup, LabelSelection, ParseSelectionError};
 pub use shared::Shared;
-pub(crate) use slab::made_slab;
 #[cfg(feature = "io")]
 pub(crate) use slab::slices_a_slab;
 pub use slab::{Slab, SlabReader};
+pub(crate) use slab::{check_made, made_slab};
 pub use spacing::Spacing;

@@ -1,5 +1,7 @@
 //! Voxel values as a file stores them.
 
+use std::collections::TryReserveError;
+
 /// A voxel type that a file can hold.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[allow(missing_docs)]
@@ -91,12 +93,22 @@ impl Samples {
     }
 
     /// Every value times `slope` plus `intercept`.
-    #[must_use]
-    pub fn scaled(&self, slope: f64, intercept: f64) -> Self {
-        Self::F64(
-            for_samples!(self, values => values.iter().map(|v| v.to_f64() * slope + intercept).collect()),
-        )
+    ///
+    /// # Errors
+    /// Where memory does not suffice.
+    pub fn scaled(&self, slope: f64, intercept: f64) -> Result<Self, TryReserveError> {
+        let scaled =
+            for_samples!(self, values => collected(values.iter().map(|v| v.to_f64() * slope + intercept)))?;
+        Ok(Self::F64(scaled))
     }
+}
+
+/// All values of an iterator, or that memory does not suffice: an image's slice may be larger than a machine.
+pub(crate) fn collected<T>(values: impl ExactSizeIterator<Item = T>) -> Result<Vec<T>, TryReserveError> {
+    let mut all = Vec::new();
+    all.try_reserve_exact(values.len())?;
+    all.extend(values);
+    Ok(all)
 }
 
 /// How far from a whole number a float may be and still be a label: scale factors stored in f32 leave 1e-5.

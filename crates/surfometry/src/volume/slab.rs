@@ -55,21 +55,39 @@ pub(crate) fn made_slab(
     dimensions: [usize; 3],
     next: &mut usize,
     slice: impl Fn(usize, &mut [u8]) + Sync,
-) -> Option<Slab> {
+) -> Result<Option<Slab>, VolumeError> {
     let first = *next;
     if first == dimensions[2] {
-        return None;
+        return Ok(None);
     }
     let last = (first + slices_a_slab(dimensions, 1)).min(dimensions[2]);
     let size = dimensions[0] * dimensions[1];
-    let mut voxels = vec![0; size * (last - first)];
+    let mut voxels = Vec::new();
+    let all = size * (last - first);
+    voxels.try_reserve_exact(all).map_err(|_| VolumeError::TooLarge { dimensions })?;
+    voxels.resize(all, 0);
     voxels.par_chunks_mut(size).zip(first..last).for_each(|(voxels, z)| slice(z, voxels));
     *next = last;
-    Some(Slab { slices: first..last, samples: Samples::U8(voxels) })
+    Ok(Some(Slab { slices: first..last, samples: Samples::U8(voxels) }))
 }
+
+/// Voxels of a slice, and of all slices, beyond which nobody waits for an image to be made: 32,768 squared, 4096 cubed.
+const MOST_MADE: [usize; 2] = [1 << 30, 1 << 36];
+
+/// Refuses what would take days to make, or a slice that fills the memory.
+pub(crate) fn check_made(dimensions: [usize; 3]) -> Result<(), VolumeError> {
+    let slice = dimensions[0].saturating_mul(dimensions[1]);
+    if slice > MOST_MADE[0] || slice.saturating_mul(dimensions[2]) > MOST_MADE[1] {
+        return Err(VolumeError::TooLarge { dimensions });
+    }
+    Ok(())
+}
+
+/// Most slices of a slab: each takes some hundred bytes while it is made into runs.
+const MOST_SLICES: usize = 1 << 12;
 
 /// Slices a slab should hold so that it stays near 8 MiB: large enough to share its slices among threads, small against any image.
 pub(crate) fn slices_a_slab(dimensions: [usize; 3], bytes_a_voxel: usize) -> usize {
     let slice = dimensions[0] * dimensions[1] * bytes_a_voxel;
-    ((8 << 20) / slice.max(1)).clamp(1, dimensions[2])
+    ((8 << 20) / slice.max(1)).clamp(1, MOST_SLICES).min(dimensions[2])
 }

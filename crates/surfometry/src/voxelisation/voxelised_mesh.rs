@@ -2,14 +2,14 @@
 
 use super::crossings::{Crossing, crossings_of};
 use crate::surface::Mesh;
-use crate::volume::{Affine, Grid, LabelImage, Slab, SlabReader, Spacing, VolumeError, made_slab};
+use crate::volume::{
+    Affine, Grid, LabelImage, Slab, SlabReader, Spacing, VolumeError, check_made, made_slab,
+};
 use std::collections::HashMap;
 use thiserror::Error;
 
 /// Background voxels on every side.
 const MARGIN: i64 = 2;
-/// Most voxels of a lattice.
-const MOST_VOXELS: f64 = 1e12;
 
 /// The voxels whose centres lie inside a closed mesh: label 1 inside, 0 outside.
 ///
@@ -81,10 +81,8 @@ impl VoxelisedMesh {
         let first: [f64; 3] = std::array::from_fn(|axis| end(axis, true) - MARGIN as f64);
         let extent: [f64; 3] =
             std::array::from_fn(|axis| end(axis, false) + MARGIN as f64 - first[axis] + 1.0);
-        if extent.iter().product::<f64>() > MOST_VOXELS {
-            return Err(VoxeliseError::TooLarge(extent));
-        }
         let dimensions = extent.map(|n| n as usize);
+        check_made(dimensions).map_err(|_| VoxeliseError::TooLarge(extent))?;
         let axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
         let origin = std::array::from_fn(|axis| first[axis] * h[axis]);
         let grid = Grid::new(dimensions, Affine::from_directions(axes, h, origin))?;
@@ -154,7 +152,7 @@ impl SlabReader for MeshSlabs<'_> {
     fn next_slab(&mut self) -> Result<Option<Slab>, VolumeError> {
         let mesh = self.mesh;
         let slice = |z: usize, voxels: &mut [u8]| mesh.slice(z, voxels);
-        Ok(made_slab(mesh.grid.dimensions(), &mut self.next_slice, slice))
+        made_slab(mesh.grid.dimensions(), &mut self.next_slice, slice)
     }
 }
 

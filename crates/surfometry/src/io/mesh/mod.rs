@@ -8,6 +8,7 @@ mod glb;
 mod little_endian;
 mod obj;
 mod ply;
+mod ply_reader;
 mod reader;
 mod stl;
 mod vtp;
