@@ -14,8 +14,8 @@ use std::path::{Path, PathBuf};
 use surfometry::Measurement;
 use surfometry::measurement::CurvatureScale;
 use surfometry::runs::{
-    ExplainTopology, Failure, FileLedger, InputError, InputOptions, InputRecords, MapFile, MapStyle, Output,
-    Record, distinct_parts, measure_input, visit_objects, with_parts, write_map_files,
+    ExplainTopology, Failure, FileLedger, InputError, InputOptions, MapFile, MapStyle, Output, Record,
+    distinct_parts, measure_input, visit_objects, with_parts, write_map_files,
 };
 
 /// Measure the objects of label images
@@ -80,14 +80,14 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
             progress.set_message(format!("{input}, slice {} of {}", at.slices, at.of_slices));
         });
         match outcome {
-            Ok(InputRecords { records, read_seconds, decode_seconds }) => {
+            Ok(found) => {
                 if args.timings {
-                    progress.suspend(|| say(&timings_text(input, &records, read_seconds, decode_seconds)));
+                    progress.suspend(|| say(&timings_text(input, &found)));
                 }
                 if args.verbose {
                     progress.suspend(|| say(&memory_text(input)));
                 }
-                results.extend(records);
+                results.extend(found.records);
                 if let Some(path) = &args.png {
                     let path = with_parts(path, part.as_slice());
                     for failure in draw(input, &measurement, &wanted, &path, &mut ledger) {

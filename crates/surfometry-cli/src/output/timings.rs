@@ -1,21 +1,23 @@
 //! Where the time of an input went.
 
 use surfometry::measurement::StageSeconds;
-use surfometry::runs::Record;
+use surfometry::runs::InputRecords;
 
 /// Seconds by stage: the file's on the clock, the others summed over threads.
-pub(crate) fn timings_text(input: &str, records: &[Record], read: f64, decode: f64) -> String {
+pub(crate) fn timings_text(input: &str, found: &InputRecords) -> String {
     let sum = |stage: fn(&StageSeconds) -> f64| -> f64 {
-        records.iter().map(|record| stage(&record.measured.timings)).sum()
+        found.records.iter().map(|record| stage(&record.measured.timings)).sum()
     };
     let stages = [
-        ("read", read),
-        ("decode", decode),
+        ("read", found.read_seconds),
+        ("decode", found.decode_seconds),
         ("embed", sum(|t| t.embed)),
         ("derive", sum(|t| t.derive)),
         ("integrate", sum(|t| t.integrate)),
         ("topology", sum(|t| t.topology)),
         ("surface", sum(|t| t.surface)),
+        ("read again", found.read_again_seconds),
+        ("explain", sum(|t| t.explain)),
     ];
     let stages = stages.map(|(name, seconds)| format!("{name} {seconds:.3}"));
     format!("{input}: seconds: {}", stages.join(", "))

@@ -2,6 +2,7 @@
 
 mod clip;
 mod explanation;
+mod level_sets;
 mod local_curvature;
 mod object;
 mod parameters;

@@ -127,6 +127,8 @@ pub struct StageSeconds {
     pub surface: f64,
     /// Euler numbers, components, cavities.
     pub topology: f64,
+    /// Where topology changes, where that was looked into.
+    pub explain: f64,
 }
 
 /// The integrals that can be compensated.

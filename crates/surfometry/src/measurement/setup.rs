@@ -285,6 +285,7 @@ impl Totals {
             integrate: times.integrate.as_secs_f64(),
             surface: times.surface.as_secs_f64(),
             topology: self.topology_time.as_secs_f64(),
+            explain: 0.0,
         }
     }
 }

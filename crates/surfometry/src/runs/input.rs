@@ -88,7 +88,7 @@ impl From<VolumeError> for InputError {
 pub enum ExplainTopology {
     /// Never.
     Never,
-    /// Where voxels, mesh and band disagree, unless the object is very large (2^27 voxels in its box).
+    /// Where voxels, mesh and band disagree, unless the object is very large (2^23 voxels in its band).
     #[default]
     Disagreements,
     /// Always.
@@ -202,7 +202,12 @@ pub fn measure_input(
             Ok(())
         })?;
         let read = records.first().and_then(|r: &Record| r.measured.read_seconds).unwrap_or_default();
-        return Ok(InputRecords { records, read_seconds: read, decode_seconds: 0.0 });
+        return Ok(InputRecords {
+            records,
+            read_seconds: read,
+            decode_seconds: 0.0,
+            read_again_seconds: 0.0,
+        });
     }
     let mut found = if Phantom::is_spec(input) {
         let (phantom, truth, flags) = open_phantom(input, options.spacing)?;
@@ -220,7 +225,7 @@ pub fn measure_input(
         let flags: Vec<Flag> = conflict_flag(stream.header(), options.spacing).into_iter().collect();
         InputRecords::of(input, streamed, stream.file_time(), None, &flags)
     };
-    explain_records(input, measurement, options, &mut found.records)?;
+    found.read_again_seconds = explain_records(input, measurement, options, &mut found.records)?;
     Ok(found)
 }
 
@@ -233,6 +238,8 @@ pub struct InputRecords {
     pub read_seconds: f64,
     /// Time to decompress them and to find the labels' runs, s.
     pub decode_seconds: f64,
+    /// Time for both once more where topology was looked into, for which whole objects are held, s.
+    pub read_again_seconds: f64,
 }
 
 impl InputRecords {
@@ -249,6 +256,7 @@ impl InputRecords {
             records: streamed.results.into_iter().map(record).collect(),
             read_seconds,
             decode_seconds: all - read_seconds,
+            read_again_seconds: 0.0,
         }
     }
 }

@@ -6,6 +6,7 @@ use crate::accuracy::Flag;
 use crate::measurement::{CurvatureScale, EmbeddingKind, Measured, Measurement, Object};
 use crate::phantoms::Truth;
 use crate::surface::Surface;
+use crate::tiling::WorkTime;
 use crate::topology::{ComponentLabels, Connectivity};
 use crate::volume::LabelGroup;
 use std::cell::OnceCell;
@@ -72,7 +73,9 @@ impl InputObject<'_> {
     /// Measures it.
     pub fn record(&self) -> Record {
         let mut measured = self.object.measure();
-        explain_topology(&self.object, &mut measured, self.options);
+        if let Some(most) = most_explained(&measured, self.options) {
+            explain_topology(&self.object, &mut measured, most);
+        }
         measured.read_seconds = Some(self.read_seconds);
         measured.truth = self.truth;
         measured.parameters.curvature_sigma_mm =
@@ -83,31 +86,33 @@ impl InputObject<'_> {
     }
 }
 
-/// Voxels of an object's box up to which a disagreement about its topology is looked into: the whole field is held for it, half a gigabyte.
-const MOST_EXPLAINED: usize = 1 << 27;
+/// Voxels of the band, and others that the blur puts on the other side, up to which a disagreement about an object's topology is looked into
+/// without being asked. They have their turn one after the other, so that more threads help little: a second, and 16 bytes a voxel.
+const MOST_EXPLAINED: usize = 1 << 23;
 
-/// Whether it is looked into where an object's topology changes.
-fn to_be_explained(measured: &Measured, options: &InputOptions) -> bool {
+/// Up to how many such voxels it is looked into where an object's topology changes; `None` where it is not.
+fn most_explained(measured: &Measured, options: &InputOptions) -> Option<usize> {
+    // The voxels' topology is that of the whole object, not of the part between the cuts.
+    let comparable = measured.parameters.embedding.is_blur() && measured.clip.is_none();
     match options.explain_topology {
-        // The voxels' topology is that of the whole object, not of the part between the cuts.
-        _ if measured.clip.is_some() => false,
-        ExplainTopology::Never => false,
-        ExplainTopology::Disagreements => {
-            measured.topology_disagrees() && measured.voxels.box_voxels() <= MOST_EXPLAINED
-        }
-        ExplainTopology::Always => true,
+        _ if !comparable => None,
+        ExplainTopology::Never => None,
+        ExplainTopology::Disagreements => measured.topology_disagrees().then_some(MOST_EXPLAINED),
+        ExplainTopology::Always => Some(usize::MAX),
     }
 }
 
-/// Says where the topology changed, where that is wanted.
-fn explain_topology(object: &Object, measured: &mut Measured, options: &InputOptions) {
-    let wanted = to_be_explained(measured, options);
-    if let Some(explanation) = wanted.then(|| object.explain_topology()).flatten() {
-        measured.explain(explanation);
+/// Says where the topology changed, or, of an object that is too large for that, that it was not looked for.
+fn explain_topology(object: &Object, measured: &mut Measured, most: usize) {
+    let time = WorkTime::default();
+    match object.explain_topology_of(most, &time) {
+        Some(explanation) => measured.explain(explanation),
+        None => measured.leave_unexplained(),
     }
+    measured.timings.explain = time.total().as_secs_f64();
 }
 
-/// The same for objects that were measured in a stream, whose input is read again for it.
+/// The same for objects that were measured in a stream, whose input is read again for it; how long that took, s.
 ///
 /// # Errors
 /// [`InputError`].
@@ -116,18 +121,24 @@ pub(super) fn explain_records(
     measurement: &Measurement,
     options: &InputOptions,
     records: &mut [Record],
-) -> Result<(), InputError> {
-    if !records.iter().any(|record| to_be_explained(&record.measured, options)) {
-        return Ok(());
-    }
-    let source = open_labels(input, options.spacing)?;
+) -> Result<f64, InputError> {
+    let reading = WorkTime::default();
+    let mut source = None;
     for Record { label, measured, .. } in records {
-        if let Some(label) = label.as_ref().filter(|_| to_be_explained(measured, options)) {
-            let mask = source.image.group_mask(label);
-            explain_topology(&measurement.prepare(&mask)?, measured, options);
+        let Some((most, label)) = most_explained(measured, options).zip(label.as_ref()) else { continue };
+        if measured.band_voxels() > most {
+            measured.leave_unexplained();
+            continue;
+        }
+        if source.is_none() {
+            source = Some(reading.of(|| open_labels(input, options.spacing))?);
+        }
+        if let Some(source) = &source {
+            let mask = reading.of(|| source.image.group_mask(label));
+            explain_topology(&measurement.prepare(&mask)?, measured, most);
         }
     }
-    Ok(())
+    Ok(reading.total().as_secs_f64())
 }
 
 /// Opens an input and hands its selected objects to `visit`, in order of label.

@@ -5,8 +5,12 @@ mod component_labels;
 mod components;
 mod disjoint_sets;
 mod euler;
+mod euler_growth;
+mod local_width;
 mod simple_voxel;
+mod thinning;
 
+pub(crate) use changes::timed_changes;
 pub use changes::{ChangeKind, TopologyChange, topology_changes};
 pub use component_labels::ComponentLabels;
 use components::ComponentCounter;

@@ -20,6 +20,7 @@ pub(crate) use label_runs::LabelRuns;
 pub(crate) use labels::RunEncoder;
 pub use labels::{LabelImage, LabelSummary};
 pub use mask::Mask;
+pub(crate) use mask::{Place, ones};
 pub use samples::{Samples, Scalar, ScalarType};
 pub use selection::{LabelGroup, LabelSelection, ParseSelectionError};
 pub(crate) use slab::made_slab;
