@@ -208,7 +208,7 @@ impl Cores<'_> {
         }
         let mut labels = ComponentLabels::of(state, connectivity);
         let voxels = |core: &Vec<Place>| core.iter().map(|&place| state.voxel_at(place)).collect::<Vec<_>>();
-        cores.map(|core| labels.grow(&voxels(core))).collect()
+        cores.map(|core| labels.grow(&mut voxels(core))).collect()
     }
 }
 

@@ -23,8 +23,9 @@ fn width_at(mask: &Mask, [x, y, z]: [i64; 3]) -> f64 {
             break;
         }
         for (dy, dz) in rows_around(steps) {
-            if let Some(dx) = mask.nearest_in_row([x, y + dy, z + dz], !side) {
-                nearest = nearest.min(width_towards(spacing, [dx, dy, dz]));
+            let found = mask.nearest_in_row([x, y + dy, z + dz], !side).map(|dx| [dx, dy, dz]);
+            if let Some(steps) = found.filter(|&steps| least_width(spacing, steps) <= nearest) {
+                nearest = nearest.min(width_towards(spacing, steps));
             }
         }
     }
@@ -37,6 +38,12 @@ fn rows_around(steps: i64) -> impl Iterator<Item = (i64, i64)> {
         let stride = if dz.abs() == steps { 1 } else { 2 * steps as usize };
         (-steps..=steps).step_by(stride).map(move |dy| (dy, dz))
     })
+}
+
+/// A little less than the least that [`width_towards`] may be, in a tenth of its time.
+fn least_width(spacing: Spacing, steps: [i64; 3]) -> f64 {
+    let squared: f64 = (0..3).map(|a| (steps[a] as f64 * spacing.mm()[a]).powi(2)).sum();
+    (2.0 - 1e-9) * squared.sqrt() - spacing.largest()
 }
 
 /// Twice the distance of voxels' centres that are so many steps apart, less the spacing in that direction.

@@ -1,5 +1,6 @@
 //! Exact topology of the voxels: Euler numbers, components, cavities, handles; and where two objects differ in it.
 
+mod bricks;
 mod changes;
 mod component_labels;
 mod components;

@@ -1,5 +1,6 @@
 //! From one object towards another, as far as topology stays.
 
+use super::bricks::{Bricks, Set};
 use super::simple_voxel::is_simple;
 use crate::tiling::WorkTime;
 use crate::volume::{Mask, Place};
@@ -38,28 +39,28 @@ pub(super) fn thinned(
     time: &WorkTime,
 ) -> Thinned {
     let region = before.bounds().hull(&after.bounds()).grown([1; 3]);
-    let mut state = time.of(|| before.on_bounds(region));
-    let order = in_order(&state, &time.of(|| after.on_bounds(region)), rank, time);
+    let before = time.of(|| before.on_bounds(region));
+    let order = in_order(&before, &time.of(|| after.on_bounds(region)), rank, time);
     time.of(|| {
-        let mut rest = Mask::cleared(*before.grid(), region);
+        let mut bricks = Bricks::of(&before);
         // Only those come back that had their turn, so all of them come before the next in order.
         let mut again = BinaryHeap::new();
         for first in order {
             let mut next = Some(first);
             while let Some(Waiting { place, .. }) = next {
-                if is_simple(state.around(place)) {
-                    state.toggle(place);
-                    for neighbour in rest.places_around(place) {
-                        rest.toggle(neighbour);
-                        again.push(Reverse(Waiting::new(rank(rest.voxel_at(neighbour)), neighbour)));
+                if is_simple(bricks.around(Set::Object, place)) {
+                    bricks.toggle(Set::Object, place);
+                    for neighbour in before.places_among(place, bricks.around(Set::Rest, place)) {
+                        bricks.toggle(Set::Rest, neighbour);
+                        again.push(Reverse(Waiting::new(rank(before.voxel_at(neighbour)), neighbour)));
                     }
                 } else {
-                    rest.toggle(place);
+                    bricks.toggle(Set::Rest, place);
                 }
                 next = again.pop().map(|Reverse(waiting)| waiting);
             }
         }
-        Thinned { state, rest }
+        Thinned { state: bricks.mask(Set::Object, &before), rest: bricks.mask(Set::Rest, &before) }
     })
 }
 

@@ -60,6 +60,15 @@ impl Mask {
         Self { grid, bounds, words_a_row, bits: vec![0; words_a_row * ny * nz] }
     }
 
+    /// A mask from the words of its rows, by number of the row and of the word in it.
+    pub(crate) fn from_words(grid: Grid, bounds: IndexBox, word: impl Fn(usize, usize) -> u64) -> Self {
+        let mut mask = Self::cleared(grid, bounds);
+        for (number, row) in mask.bits.chunks_mut(mask.words_a_row.max(1)).enumerate() {
+            row.iter_mut().enumerate().for_each(|(n, bits)| *bits = word(number, n));
+        }
+        mask
+    }
+
     /// The part in a box, with the box as its bounds.
     pub(crate) fn on_bounds(&self, bounds: IndexBox) -> Self {
         let mut part = Self::cleared(self.grid, bounds);
@@ -157,9 +166,14 @@ impl Mask {
 
     /// The places of the object's voxels among the 27 around one that has neighbours within the bounds on all sides, x fastest.
     pub(crate) fn places_around(&self, place: Place) -> impl Iterator<Item = Place> + use<> {
+        self.places_among(place, self.around(place))
+    }
+
+    /// The places of some of the 27 voxels around one.
+    pub(crate) fn places_among(&self, place: Place, around: u32) -> impl Iterator<Item = Place> + use<> {
         let rows_a_slice = self.bounds.extent()[1] as u32;
         let first = Place { row: place.row - rows_a_slice - 1, x: place.x - 1 };
-        ones(u64::from(self.around(place))).map(move |bit| Place {
+        ones(u64::from(around)).map(move |bit| Place {
             row: first.row + bit / 9 * rows_a_slice + bit / 3 % 3,
             x: first.x + bit % 3,
         })
@@ -268,8 +282,8 @@ impl Mask {
 /// Where a voxel lies in the bounds of a mask: the number of its row, y fastest, and how far along it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub(crate) struct Place {
-    row: u32,
-    x: u32,
+    pub(crate) row: u32,
+    pub(crate) x: u32,
 }
 
 /// Numbers of the bits that are set, ascending.
