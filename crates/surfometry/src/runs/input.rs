@@ -88,7 +88,7 @@ impl From<VolumeError> for InputError {
 pub enum ExplainTopology {
     /// Never.
     Never,
-    /// Where voxels, mesh and band disagree, unless the object is very large (2^23 voxels in its band).
+    /// Where voxels, mesh and band disagree, unless the object is very large (2^22 voxels in its band).
     #[default]
     Disagreements,
     /// Always.

@@ -88,7 +88,7 @@ impl InputObject<'_> {
 
 /// Voxels of the band, and others that the blur puts on the other side, up to which a disagreement about an object's topology is looked into
 /// without being asked. They have their turn one after the other, so that more threads help little: a second, and 16 bytes a voxel.
-const MOST_EXPLAINED: usize = 1 << 23;
+const MOST_EXPLAINED: usize = 1 << 22;
 
 /// Up to how many such voxels it is looked into where an object's topology changes; `None` where it is not.
 fn most_explained(measured: &Measured, options: &InputOptions) -> Option<usize> {

@@ -93,13 +93,12 @@ impl ComponentLabels {
                 self.sets.join(number, first + other);
             }
         }
-        let touching: Vec<(usize, usize)> = voxels
-            .iter()
-            .zip(first..)
-            .flat_map(|(&voxel, number)| self.members_beside(voxel).map(move |member| (number, member)))
-            .collect();
+        let mut touching = Vec::new();
+        for (&voxel, number) in voxels.iter().zip(first..) {
+            self.for_each_beside(voxel, |member| touching.push((number, member)));
+        }
         let touched = self.distinct(touching.iter().map(|&(_, member)| member));
-        for &(number, member) in &touching {
+        for (number, member) in touching {
             self.sets.join(number, member);
         }
         self.distinct(first..first + voxels.len()) - touched
@@ -113,16 +112,22 @@ impl ComponentLabels {
         roots.len() as i64
     }
 
-    /// The labelled runs that a voxel touches.
-    fn members_beside(&self, [x, y, z]: [i64; 3]) -> impl Iterator<Item = usize> + '_ {
+    /// Visits the labelled runs that a voxel touches.
+    fn for_each_beside(&self, [x, y, z]: [i64; 3], mut visit: impl FnMut(usize)) {
         let all = self.connectivity == Connectivity::Foreground26;
-        let rows = (0..9i64).map(|n| (n % 3 - 1, n / 3 - 1)).filter(move |(dy, dz)| all || dy * dz == 0);
-        rows.flat_map(move |(dy, dz)| {
+        for (dy, dz) in (-1..=1).flat_map(|dz| (-1..=1).map(move |dy| (dy, dz))) {
+            if !all && dy * dz != 0 {
+                continue;
+            }
             let along = i64::from(all || (dy, dz) == (0, 0));
             let row = self.row(y + dy, z + dz);
-            let start = self.runs[row.clone()].partition_point(|run| run.1 <= x - along);
-            (row.start + start..row.end).take_while(move |&number| self.runs[number].0 <= x + along)
-        })
+            let runs = &self.runs[row.clone()];
+            let mut place = runs.partition_point(|run| run.1 <= x - along);
+            while place < runs.len() && runs[place].0 <= x + along {
+                visit(row.start + place);
+                place += 1;
+            }
+        }
     }
 
     /// The runs of a row that was labelled; none elsewhere.
