@@ -4,6 +4,7 @@ mod box_sums;
 mod boxes;
 mod clip;
 mod explanation;
+mod level_sets;
 mod local_curvature;
 mod object;
 mod parameters;

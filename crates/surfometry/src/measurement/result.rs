@@ -183,17 +183,20 @@ pub struct StageSeconds {
     pub topology: f64,
     /// From the decoded labels to all integrals, on the clock: a record's `seconds`.
     pub integrals: f64,
+    /// Where topology changes, where that was looked into.
+    pub explain: f64,
 }
 
 impl StageSeconds {
     /// The stages by their names, in their order.
-    pub fn named(&self) -> [(&'static str, f64); 5] {
+    pub fn named(&self) -> [(&'static str, f64); 6] {
         [
             ("embed", self.embed),
             ("derive", self.derive),
             ("integrate", self.integrate),
             ("topology", self.topology),
             ("surface", self.surface),
+            ("explain", self.explain),
         ]
     }
 
@@ -207,6 +210,7 @@ impl StageSeconds {
             surface: self.surface + other.surface,
             topology: self.topology + other.topology,
             integrals: self.integrals + other.integrals,
+            explain: self.explain + other.explain,
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Objects to records.
 
 use super::ExplainTopology;
-use super::object::{explain_topology, to_be_explained};
+use super::object::{explain_topology, most_explained};
 use super::reading::Watched;
 use super::{Item, Opened, Plan, Reading, Record, RunError, Task};
 use crate::inputs::open;
@@ -9,6 +9,7 @@ use crate::measurement::{Measured, StageSeconds};
 use crate::volume::LabelGroup;
 use crate::{Control, Event};
 use std::collections::BTreeMap;
+use std::time::Instant;
 
 /// Measures every selected object of an input; a record an object.
 #[derive(Debug, Default)]
@@ -66,7 +67,7 @@ impl MeasureTask {
                 pictures.draw(input, &object, out);
             }
         }
-        self.tell_timings(input, [read, 0.0], &stages);
+        self.tell_timings(input, [read, 0.0, 0.0], &stages);
         Ok(())
     }
 
@@ -100,32 +101,49 @@ impl MeasureTask {
             }
         };
         let mut records: Vec<Record> = streamed.results.into_iter().map(record).collect();
-        self.explain(input, &mut records)?;
+        let again = self.explain(input, &mut records)?;
         let stages =
             records.iter().fold(StageSeconds::default(), |sum, record| sum.plus(&record.measured.timings));
-        self.tell_timings(input, [file, read - file], &stages);
+        self.tell_timings(input, [file, read - file, again], &stages);
         records.into_iter().for_each(|record| out(Item::Row(record)));
         Ok(())
     }
 
-    /// Where voxels, mesh and band disagree, the input is read again to see why.
-    fn explain(&self, input: &Opened, records: &mut [Record]) -> Result<(), RunError> {
+    /// Where voxels, mesh and band disagree, the input is read again to see why; how long that took, s.
+    fn explain(&self, input: &Opened, records: &mut [Record]) -> Result<f64, RunError> {
         let when = self.plan.explain_topology;
-        if !records.iter().any(|record| to_be_explained(&record.measured, when)) {
-            return Ok(());
+        let wanted = |measured: &mut Measured| {
+            let most = most_explained(measured, when)?;
+            if measured.band_voxels() > most {
+                measured.leave_unexplained();
+                return None;
+            }
+            Some(most)
+        };
+        let wanted: Vec<Option<usize>> = records.iter_mut().map(|r| wanted(&mut r.measured)).collect();
+        if wanted.iter().all(Option::is_none) {
+            return Ok(0.0);
         }
+        let start = Instant::now();
         let reading = Reading::of(input, &self.plan)?;
-        for (record, object) in records.iter_mut().zip(reading.objects()) {
-            explain_topology(&object?.object, &mut record.measured, when);
+        let again = start.elapsed().as_secs_f64();
+        for (number, most) in wanted.into_iter().enumerate() {
+            let Some(most) = most else { continue };
+            for object in reading.objects_at(number, &self.plan) {
+                explain_topology(&object?.object, &mut records[number].measured, most);
+            }
+            input.control.check()?;
         }
-        Ok(())
+        Ok(again)
     }
 
-    fn tell_timings(&self, input: &Opened, [read, decode]: [f64; 2], stages: &StageSeconds) {
+    fn tell_timings(&self, input: &Opened, [read, decode, again]: [f64; 3], stages: &StageSeconds) {
         if !self.timings {
             return;
         }
-        let stages = [("read", read), ("decode", decode)].into_iter().chain(stages.named());
+        let named = stages.named();
+        let stages = [("read", read), ("decode", decode), ("read again", again)];
+        let stages = stages.into_iter().chain(named);
         let stages: Vec<String> = stages.map(|(name, seconds)| format!("{name} {seconds:.3}")).collect();
         let text = format!("seconds: {}", stages.join(", "));
         input.control.tell(&Event::Note { input: input.name, text: &text });
