@@ -149,11 +149,7 @@ fn truncation_of(setup: &Setup) -> f64 {
 }
 
 /// Whether a blur may leave something of an object in a box, of which `total` adds up its voxels; one that reaches over too many voxels is refused.
-fn may_survive(
-    setup: &Setup,
-    bounds: &IndexBox,
-    total: impl Fn() -> f64,
-) -> Result<bool, MeasureError> {
+fn may_survive(setup: &Setup, bounds: &IndexBox, total: impl Fn() -> f64) -> Result<bool, MeasureError> {
     // A hair below the level, for what rounding adds.
     if is_below(setup, bounds, total, setup.parameters.level_or_half() * (1.0 - 1e-6)) {
         return Ok(false);
