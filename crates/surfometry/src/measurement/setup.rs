@@ -84,7 +84,7 @@ impl Setup {
         let soft = Some(SoftEdges::of(image)).filter(|edges| !edges.are_hard());
         // Shares of voxels leave no terraces.
         let terraces = setup.terraces.filter(|_| soft.is_none());
-        Ok(Self { soft, terraces, ..setup })
+        Ok(Self { terraces, soft, ..setup })
     }
 
     fn new(measurement: &Measurement, grid: Grid) -> Result<Self, MeasureError> {
