@@ -6,6 +6,7 @@ use super::scheme::Scheme;
 use super::setup::{OpenPart, Setup, Totals};
 use super::voxels::VoxelCounts;
 use super::{EmbeddingKind, MeasureError, Measured, Measurement, Parameters, SurfaceValues};
+use crate::Control;
 use crate::embedding::Indicator;
 use crate::integrals::{Band, Integrals, Quadrature, SmearedDelta};
 use crate::local_geometry::{FiniteDifferences, MINIMUM_POINTS};
@@ -114,6 +115,7 @@ impl Measurement {
             errors: None,
             terraces: None,
             soft: None,
+            control: Control::default(),
         };
         let (mask, content) = (Arc::new(mask), Content::Field(field));
         Ok(Object { mask, setup, content, part: None, preparation: start.elapsed() })
@@ -124,6 +126,14 @@ impl Object {
     /// The voxels: of a field, those where it is negative; of a soft segmentation, those whose values exceed the level.
     pub fn mask(&self) -> &Mask {
         &self.mask
+    }
+
+    /// The same under a control: once that says stop, whatever is asked of the object ends early and is not to be used.
+    /// [`Control::check`] tells.
+    #[must_use]
+    pub fn under(mut self, control: &Control) -> Self {
+        self.setup.control = control.clone();
+        self
     }
 
     /// The image's lattice.

@@ -1,5 +1,6 @@
 //! One walk over an object's tiles for everything that is summed over them.
 
+use crate::Control;
 use crate::integrals::{Band, Partial, Quadrature};
 use crate::local_geometry::{Differentiation, FieldValue, TileField};
 use crate::surface::{SurfaceSums, TileMesh, cell_limits};
@@ -72,6 +73,8 @@ pub(super) struct Pass<'a> {
     pub(super) region: Option<IndexBox>,
     /// Where the tiles begin that are wanted; all where `None`.
     pub(super) tiles: Option<IndexBox>,
+    /// Who may stop it; the sums are not to be used then.
+    pub(super) control: &'a Control,
 }
 
 impl Pass<'_> {
@@ -94,6 +97,9 @@ impl Pass<'_> {
         limits: &IndexBox,
         memory: &mut Vec<FieldValue<D>>,
     ) -> ObjectSums {
+        if self.control.is_stopped() {
+            return ObjectSums::default();
+        }
         let start = Instant::now();
         let field = scheme.tile_field(std::mem::take(memory), tile, self.band.delta().half_width());
         let embedded = Instant::now();

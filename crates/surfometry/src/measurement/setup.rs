@@ -8,6 +8,7 @@ use super::result::{
 };
 use super::voxels::VoxelCounts;
 use super::{Derivatives, EmbeddingKind, MeasureError, Measurement, Parameters};
+use crate::Control;
 use crate::accuracy::{
     CompensationTerms, ErrorModel, Evidence, Flag, FlagCode, NarrowPlace, SoftEdges, Terraces, band_variance,
     compensation_terms, raise_flags,
@@ -36,6 +37,8 @@ pub(super) struct Setup {
     pub(super) terraces: Option<Terraces>,
     /// What is known of the edges of a soft segmentation; `None` of a mask, and of one that holds nothing but zeros and ones.
     pub(super) soft: Option<SoftEdges>,
+    /// Who may stop what is done with it.
+    pub(super) control: Control,
 }
 
 /// What was summed over an object.
@@ -107,6 +110,7 @@ impl Setup {
             errors,
             terraces: modelled.map(|(model, profile)| model.terraces(&profile, &delta)),
             soft: None,
+            control: Control::default(),
         })
     }
 
@@ -118,6 +122,7 @@ impl Setup {
             with_surface,
             region: None,
             tiles: None,
+            control: &self.control,
         }
     }
 

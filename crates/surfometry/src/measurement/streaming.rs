@@ -5,6 +5,7 @@ use super::boxes::{PartialMeasurement, reach};
 use super::scheme::Scheme;
 use super::setup::Setup;
 use super::{Clip, MeasureError, Measured, Measurement};
+use crate::Control;
 use crate::tiling::{IndexBox, TILE};
 use crate::volume::{LabelGroup, LabelImage, LabelRuns, LabelSelection, RunEncoder, SlabReader};
 use std::time::{Duration, Instant};
@@ -58,8 +59,26 @@ impl Measurement {
     where
         R::Error: std::error::Error,
     {
+        self.run_slabs_under(&Control::default(), reader, selection, progress)
+    }
+
+    /// The same under a control: once that says stop, it ends early, and what comes of it is not to be used.
+    /// [`Control::check`] tells.
+    ///
+    /// # Errors
+    /// As of [`Measurement::run_slabs`].
+    pub fn run_slabs_under<R: SlabReader>(
+        &self,
+        control: &Control,
+        reader: &mut R,
+        selection: &LabelSelection,
+        progress: impl Fn(Progress),
+    ) -> Result<Streamed, StreamError<R::Error>>
+    where
+        R::Error: std::error::Error,
+    {
         let grid = *reader.grid();
-        let setup = Setup::of_masks(self, grid)?;
+        let setup = Setup { control: control.clone(), ..Setup::of_masks(self, grid)? };
         if Scheme::check_reach(&setup).is_err() || self.clip == Clip::Exclude {
             // A blur so wide is refused, unless it is known to leave nothing: for that objects must be known as a whole. So must those that
             // the image cuts, to be continued beyond it.

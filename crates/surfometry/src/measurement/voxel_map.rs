@@ -74,6 +74,9 @@ impl Object {
         let half_width = self.setup.band.delta().half_width();
         let all = IndexBox::new([0; 3], tile.extent().map(|n| n as i64));
         let mut values = Block::filled(all, 0.0f32);
+        if self.setup.control.is_stopped() {
+            return values.into_storage();
+        }
         match (scheme.tile_field(Vec::new(), tile, half_width), quantity) {
             (TileField::Constant(phi), VoxelQuantity::Phi) => values.values_mut().fill(phi as f32),
             (TileField::Constant(_), _) => {}

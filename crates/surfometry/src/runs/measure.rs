@@ -75,14 +75,16 @@ impl MeasureTask {
     fn of_stream(&self, input: &Opened, out: &mut dyn FnMut(Item<Record>)) -> Result<(), RunError> {
         let Opened { name, source, control, .. } = input;
         let mut slabs = Watched { slabs: source.slabs()?, input: name, control };
-        let streamed = self.plan.measurement.run_slabs(&mut slabs, &self.plan.labels, |at| {
-            control.tell(&Event::Slices {
-                input: name,
-                done: at.slices,
-                of: at.of_slices,
-                labels: at.labels,
-            });
-        })?;
+        let streamed =
+            self.plan.measurement.run_slabs_under(control, &mut slabs, &self.plan.labels, |at| {
+                control.tell(&Event::Slices {
+                    input: name,
+                    done: at.slices,
+                    of: at.of_slices,
+                    labels: at.labels,
+                });
+            })?;
+        control.check()?;
         let file = crate::volume::SlabReader::file_time(&slabs).as_secs_f64();
         let read = streamed.source_seconds + streamed.encode_seconds;
         let (flags, truth, names) = (source.flags(), source.truth(), source.label_names());

@@ -121,7 +121,9 @@ impl<'a> Reading<'a> {
         let mask = Arc::new(mask);
         let local = match plan.curvature {
             CurvatureScale::AsMeasured => None,
-            scale => Some(plan.measurement.for_local_curvature(&mask, scale)?.prepare(&mask)?),
+            scale => {
+                Some(plan.measurement.for_local_curvature(&mask, scale)?.prepare(&mask)?.under(self.control))
+            }
         };
         let object = plan.measurement.prepare(mask)?;
         Ok(InputObject { local, ..self.bare(object) })
@@ -132,7 +134,7 @@ impl<'a> Reading<'a> {
             CurvatureScale::AsMeasured => None,
             scale => {
                 let local = plan.measurement.for_local_curvature_of_probability(image, scale)?;
-                Some(local.prepare_probability(image)?)
+                Some(local.prepare_probability(image)?.under(self.control))
             }
         };
         Ok(InputObject { local, ..self.bare(plan.measurement.prepare_probability(image)?) })
@@ -149,7 +151,7 @@ impl<'a> Reading<'a> {
             name: None,
             component: None,
             count: self.count(),
-            object,
+            object: object.under(self.control),
             local: None,
             surface: OnceLock::new(),
             truth: None,
