@@ -203,7 +203,7 @@ fn voxels_are_those_above_the_level() {
     let measured = Measurement::default().run_probability(block(0.6)).unwrap();
     assert_eq!(measured.voxels.count, 8000);
     let thin = measured.flags.iter().find(|flag| flag.code == FlagCode::ThinForSigma).unwrap();
-    let off = measured.volume_mm3.unwrap() / (0.6f32 as f64 * 8000.0) - 1.0;
+    let off = measured.volume_mm3.unwrap() / (f64::from(0.6f32) * 8000.0) - 1.0;
     assert!(thin.message.contains(&format!("{:+.1} %", 100.0 * off)), "{} {off}", thin.message);
 }
 
