@@ -5,6 +5,7 @@ use crate::embedding::Precision;
 use crate::local_geometry::{BandVoxels, Curvature, Differentiation, Jet, TileField};
 use crate::tiling::{Block, ExactSum, IndexBox};
 use fearless_simd::{Level, dispatch};
+use serde::{Deserialize, Serialize};
 use std::time::{Duration, Instant};
 
 /// Voxels that are computed together. Sums run over every eighth voxel, then over the eight.
@@ -49,7 +50,7 @@ macro_rules! surface_integrals {
         }
 
         /// The same, exact.
-        #[derive(Debug, Clone, Default)]
+        #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
         struct SurfaceSums {
             $($name: ExactSum,)*
         }
@@ -93,7 +94,7 @@ surface_integrals! {
 ///
 /// A tile is summed in one fixed order in f64; tiles are then added exactly. So the result depends neither on the
 /// number of threads nor on how the tiles were dealt out.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Partial {
     volume: ExactSum,
     surface: SurfaceSums,
@@ -109,7 +110,7 @@ pub struct Partial {
 }
 
 /// Band voxels whose gradient shows that another surface is near.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct NarrowVoxels {
     /// How many.
     pub voxels: u64,

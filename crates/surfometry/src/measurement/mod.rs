@@ -1,5 +1,7 @@
 //! Parameters -> all stages -> result.
 
+mod box_sums;
+mod boxes;
 mod clip;
 mod explanation;
 mod local_curvature;
@@ -14,6 +16,7 @@ mod streaming;
 mod voxel_map;
 mod voxels;
 
+pub use boxes::{BoxShare, DecodeError, MergeError, PartialMeasurement};
 pub use clip::{Clip, ClipSummary};
 pub use explanation::{ChangeStage, LocatedChange, TopologyExplanation, WeakestGradient};
 pub use local_curvature::CurvatureScale;
@@ -29,6 +32,7 @@ pub use voxel_map::VoxelQuantity;
 use crate::integrals::{QuadratureRule, Smearing};
 use crate::volume::{FieldImage, LabelGroup, LabelImage, LabelSelection, Mask, Shared};
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
@@ -40,7 +44,7 @@ use std::time::Instant;
 /// let finer = Measurement::default().sigma_mm(1.0).thickness_mm(2.5);
 /// # let _ = (paper, finer);
 /// ```
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Measurement {
     pub(crate) embedding: EmbeddingKind,
     pub(crate) derivatives: Option<Derivatives>,

@@ -4,12 +4,14 @@ use super::clip::MeasuredPart;
 use super::pass::{ObjectSums, Pass};
 use super::scheme::Scheme;
 use super::setup::{OpenPart, Setup, Totals};
+use super::voxels::VoxelCounts;
 use super::{EmbeddingKind, MeasureError, Measured, Measurement, Parameters, SurfaceValues};
 use crate::embedding::Indicator;
 use crate::integrals::{Band, Integrals, Quadrature, SmearedDelta};
 use crate::local_geometry::{FiniteDifferences, MINIMUM_POINTS};
 use crate::surface::{Surface, VertexExtras};
 use crate::tiling::IndexBox;
+use crate::topology::VoxelTopology;
 use crate::volume::{FieldImage, Grid, Mask, ProbabilityImage, Shared, VolumeError};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -235,9 +237,10 @@ impl Object {
 
     /// The voxels' numbers and their topology.
     fn counted(&self) -> Totals {
-        let mut totals = Totals::default();
-        totals.add_voxels(&self.mask, i64::MIN / 2..i64::MAX / 2);
-        totals
+        let start = Instant::now();
+        let topology = VoxelTopology::of(&self.mask);
+        let voxels = VoxelCounts::of(&self.mask, &self.grid().index_box());
+        Totals { topology, voxels, topology_time: start.elapsed(), ..Totals::default() }
     }
 
     /// All numbers, of voxels that were counted.

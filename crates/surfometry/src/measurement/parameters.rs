@@ -8,6 +8,7 @@ use crate::choice::choices;
 use crate::embedding::EdgeProfile;
 use crate::integrals::{QuadratureRule, Smearing};
 use crate::local_geometry::MatchedDifferences;
+use crate::tiling::IndexBox;
 use crate::volume::{Spacing, VolumeError};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
@@ -151,6 +152,26 @@ pub enum MeasureError {
         epsilon: f64,
         /// Largest phi.
         highest: f64,
+    },
+    /// A box whose voxels do not tell what is to be summed over it.
+    #[error(
+        "the labels of {given} are given, but what the box adds depends on those of {needed}: give each box the voxels around it too"
+    )]
+    BoxWithoutHalo {
+        /// What is needed.
+        needed: IndexBox,
+        /// What is there.
+        given: IndexBox,
+    },
+    /// Boxes that do not make up their image.
+    #[error(
+        "{voxels} voxels of the image were not measured, first of all those of {first}: merge the values of all its boxes"
+    )]
+    MissingBoxes {
+        /// A box that is missing.
+        first: IndexBox,
+        /// Voxels that are missing in all.
+        voxels: usize,
     },
     /// The object or image itself.
     #[error(transparent)]

@@ -6,11 +6,11 @@ use crate::surface::{SurfaceSums, TileMesh, cell_limits};
 use crate::tiling::{IndexBox, Pool, TILE};
 use crate::volume::Spacing;
 use rayon::prelude::*;
-use std::ops::Range;
+use serde::{Deserialize, Serialize};
 use std::time::{Duration, Instant};
 
-/// What the tiles of an object add up to, in any order.
-#[derive(Debug, Clone, Default)]
+/// What the tiles of an object add up to, in any order. Equal sums may have taken different times.
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub(super) struct ObjectSums {
     pub(super) integrals: Partial,
     pub(super) surface: SurfaceSums,
@@ -18,12 +18,18 @@ pub(super) struct ObjectSums {
 }
 
 /// Time in each stage, summed over threads.
-#[derive(Debug, Clone, Copy, Default)]
+#[derive(Debug, Clone, Copy, Default, Serialize, Deserialize)]
 pub(super) struct StageTimes {
     pub(super) embed: Duration,
     pub(super) derive: Duration,
     pub(super) integrate: Duration,
     pub(super) surface: Duration,
+}
+
+impl PartialEq for ObjectSums {
+    fn eq(&self, other: &Self) -> bool {
+        self.integrals == other.integrals && self.surface == other.surface
+    }
 }
 
 impl ObjectSums {
@@ -47,10 +53,10 @@ impl StageTimes {
 
     fn merged(&self, other: &Self) -> Self {
         Self {
-            embed: self.embed + other.embed,
-            derive: self.derive + other.derive,
-            integrate: self.integrate + other.integrate,
-            surface: self.surface + other.surface,
+            embed: self.embed.saturating_add(other.embed),
+            derive: self.derive.saturating_add(other.derive),
+            integrate: self.integrate.saturating_add(other.integrate),
+            surface: self.surface.saturating_add(other.surface),
         }
     }
 }
@@ -64,8 +70,8 @@ pub(super) struct Pass<'a> {
     pub(super) with_surface: bool,
     /// The part that is summed over, where it is not all.
     pub(super) region: Option<IndexBox>,
-    /// The slices in which the tiles lie that are wanted; all where `None`.
-    pub(super) slices: Option<Range<i64>>,
+    /// Where the tiles begin that are wanted; all where `None`.
+    pub(super) tiles: Option<IndexBox>,
 }
 
 impl Pass<'_> {
@@ -75,8 +81,7 @@ impl Pass<'_> {
         let limits = self.region.map_or(limits, |region| limits.intersection(&region));
         let storage = Pool::<Vec<FieldValue<D>>>::default();
         let part = |tile: &IndexBox| storage.with(|memory| self.tile(scheme, tile, &limits, memory));
-        let wanted =
-            |tile: &IndexBox| self.slices.as_ref().is_none_or(|slices| slices.contains(&tile.lower[2]));
+        let wanted = |tile: &IndexBox| self.tiles.is_none_or(|region| region.contains(tile.lower));
         let mut tiles = limits.tiles(TILE);
         tiles.retain(wanted);
         tiles.par_iter().map(part).reduce(ObjectSums::default, |a, b| a.merged(&b))

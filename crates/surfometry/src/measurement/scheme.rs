@@ -104,11 +104,16 @@ impl<'a> Scheme<'a> {
         is_below(setup, &mask.bounds(), || mask.voxels() as f64, band * (1.0 - 1e-6))
     }
 
-    /// Slices around some in which an object must be known for what is summed over them.
-    pub(super) fn reach(&self, setup: &Setup) -> i64 {
+    /// Voxels around a box, on each side of each axis, in which an object must be known for what is summed over the box.
+    pub(super) fn reach(&self, setup: &Setup) -> [i64; 3] {
         let half_width = setup.band.delta().half_width();
         let voxel = IndexBox::voxel([0; 3]);
-        with_scheme!(self, s => s.field_region(&voxel).upper[2] - voxel.upper[2] + s.embedding().halo(half_width)[2])
+        with_scheme!(self, s => {
+            let (field, halo) = (s.field_region(&voxel), s.embedding().halo(half_width));
+            std::array::from_fn(|a| {
+                (field.upper[a] - voxel.upper[a]).max(voxel.lower[a] - field.lower[a]) + halo[a]
+            })
+        })
     }
 
     /// Box outside which the field is beyond the band.

@@ -15,11 +15,10 @@ use crate::accuracy::{
 use crate::integrals::{Band, Integrals, Quadrature, QuadratureRule, SmearedDelta};
 use crate::local_geometry::{CentralWeights, matched_weights};
 use crate::surface::SurfaceSummary;
-use crate::topology::TopologyCounter;
-use crate::volume::{Grid, Mask, ProbabilityImage, Spacing};
+use crate::topology::VoxelTopology;
+use crate::volume::{Grid, ProbabilityImage, Spacing};
 use std::f64::consts::{FRAC_1_SQRT_2, TAU};
-use std::ops::Range;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 /// The choices for one image, filled in.
 #[derive(Debug, Clone)]
@@ -39,11 +38,11 @@ pub(super) struct Setup {
     pub(super) soft: Option<SoftEdges>,
 }
 
-/// What was summed over an object, whole or as far as its slices have come.
+/// What was summed over an object.
 #[derive(Clone, Default)]
 pub(super) struct Totals {
     pub(super) sums: ObjectSums,
-    pub(super) topology: TopologyCounter,
+    pub(super) topology: VoxelTopology,
     pub(super) voxels: VoxelCounts,
     /// Where the object is measured, where the image cuts it and that is left out.
     pub(super) open: Option<OpenPart>,
@@ -118,7 +117,7 @@ impl Setup {
             spacing: self.grid.spacing(),
             with_surface,
             region: None,
-            slices: None,
+            tiles: None,
         }
     }
 
@@ -135,7 +134,7 @@ impl Setup {
         let open = totals.open.as_ref();
         let terms = self.compensation(surviving, open);
         let mesh = Some(SurfaceSummary::of_sums(&totals.sums.surface)).filter(|mesh| mesh.triangles > 0);
-        let topology = totals.topology.topology();
+        let topology = totals.topology;
         let voxels = totals.voxels.summary(&self.grid);
         let compensated_volume = surviving.zip(terms).map(|(plain, terms)| terms.added_to(&plain).volume);
         let cell_volume = self.grid.spacing().cell_volume();
@@ -369,14 +368,6 @@ fn touching(cuts: [[f64; 2]; 3], area: Option<f64>, clip: Option<ClipSummary>) -
 }
 
 impl Totals {
-    /// Counts the voxels and the topology of the next slices; see [`TopologyCounter::add`] for what the mask must hold.
-    pub(super) fn add_voxels(&mut self, mask: &Mask, slices: Range<i64>) {
-        let start = Instant::now();
-        self.topology.add(mask, slices.clone());
-        self.voxels.add(mask, slices);
-        self.topology_time += start.elapsed();
-    }
-
     fn timings(&self) -> StageSeconds {
         let times = &self.sums.times;
         StageSeconds {

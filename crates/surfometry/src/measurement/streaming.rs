@@ -1,14 +1,12 @@
 //! Images that are never held: objects are summed over while their slices go by.
 
-use super::pass::{ObjectSums, Pass};
+use super::box_sums::Labels;
+use super::boxes::{PartialMeasurement, reach};
 use super::scheme::Scheme;
-use super::setup::{Setup, Totals};
+use super::setup::Setup;
 use super::{Clip, MeasureError, Measured, Measurement};
 use crate::tiling::{IndexBox, TILE};
-use crate::volume::{LabelGroup, LabelImage, LabelRuns, LabelSelection, Mask, RunEncoder, SlabReader};
-use rayon::prelude::*;
-use std::collections::BTreeMap;
-use std::ops::Range;
+use crate::volume::{LabelGroup, LabelImage, LabelRuns, LabelSelection, RunEncoder, SlabReader};
 use std::time::{Duration, Instant};
 use thiserror::Error;
 
@@ -98,7 +96,7 @@ impl Measurement {
             }
         }
         Ok(Streamed {
-            results: stream.results()?,
+            results: stream.sum.results()?,
             source_seconds: source.as_secs_f64(),
             encode_seconds: encode.as_secs_f64(),
         })
@@ -113,98 +111,52 @@ struct Stream<'a> {
     window: LabelRuns,
     /// Slices around a layer that its sums depend on.
     reach: i64,
-    /// The slices of the layer that is summed next.
-    layer: Range<i64>,
-    /// By number of the selected group, or by code where all labels are selected.
-    totals: BTreeMap<usize, Totals>,
+    /// The layer of tiles that is summed next.
+    layer: IndexBox,
+    sum: PartialMeasurement,
 }
 
 impl<'a> Stream<'a> {
     fn new(setup: &Setup, selection: &'a LabelSelection) -> Self {
-        let nothing = Mask::empty(setup.grid);
-        let reach = Scheme::of_part(setup, &nothing).reach(setup);
-        let first = (-reach).div_euclid(TILE[2]) * TILE[2];
+        let image = setup.grid.index_box();
         Self {
             setup: setup.clone(),
             selection,
-            encoder: RunEncoder::new(setup.grid),
-            window: LabelRuns::new(setup.grid),
-            reach,
-            layer: first..first + TILE[2],
-            totals: BTreeMap::new(),
+            encoder: RunEncoder::new(image),
+            window: LabelRuns::new(setup.grid, &image),
+            reach: reach(setup)[2],
+            layer: layer_at(&image, 0),
+            sum: PartialMeasurement::empty(setup, selection),
         }
     }
 
     /// Sums over the layers for which enough slices are there.
     fn advance(&mut self, ended: bool) {
-        let slices = self.setup.grid.dimensions()[2] as i64;
-        while (ended && self.layer.start < slices + self.reach)
-            || self.layer.end + self.reach <= self.window.end() as i64
+        let image = self.setup.grid.index_box();
+        while !self.layer.is_empty()
+            && (ended || self.layer.upper[2] + self.reach <= self.window.end() as i64)
         {
             self.sum_layer();
-            self.layer = self.layer.end..self.layer.end + TILE[2];
-            self.window.forget_before((self.layer.start - self.reach).max(0) as usize);
-        }
-    }
-
-    /// Groups of codes that the window may hold, by the number under which they are summed.
-    fn groups(&self) -> Vec<(usize, Vec<usize>)> {
-        match self.selection {
-            LabelSelection::All => (1..self.encoder.labels().len()).map(|code| (code, vec![code])).collect(),
-            LabelSelection::Groups(groups) => {
-                let codes = |group: &LabelGroup| {
-                    let mut codes: Vec<usize> =
-                        group.labels().iter().filter_map(|&label| self.encoder.code_of(label)).collect();
-                    codes.sort_unstable();
-                    codes
-                };
-                groups.iter().map(codes).enumerate().collect()
-            }
+            self.layer = layer_at(&image, self.layer.upper[2]);
+            self.window.forget_before((self.layer.lower[2] - self.reach).max(0) as usize);
         }
     }
 
     fn sum_layer(&mut self) {
-        let bounds = self.window.bounds(self.encoder.labels().len());
-        let mut groups = self.groups();
-        groups.retain(|(_, codes)| codes.iter().any(|&code| !bounds[code].is_empty()));
-        let mut totals: Vec<(usize, Vec<usize>, Totals)> = groups
-            .into_iter()
-            .map(|(key, codes)| (key, codes, self.totals.remove(&key).unwrap_or_default()))
-            .collect();
-        totals.par_iter_mut().for_each(|(_, codes, totals)| {
-            let all = codes.iter().fold(IndexBox::EMPTY, |all, &code| all.hull(&bounds[code]));
-            self.sum_object(codes, all, totals);
-        });
-        self.totals.extend(totals.into_iter().map(|(key, _, totals)| (key, totals)));
+        let codes = self.encoder.labels();
+        let bounds = self.window.bounds(codes.len());
+        let coded = codes.iter().zip(bounds).enumerate().skip(1);
+        let coded = coded.map(|(code, (&label, bounds))| (label, code, bounds)).collect();
+        let labels = Labels::new(&self.window, coded);
+        let layer = PartialMeasurement::of_box(&self.setup, self.layer, &labels, self.selection);
+        self.sum.merge(layer).expect("layers of one measurement do not overlap");
     }
+}
 
-    fn sum_object(&self, codes: &[usize], bounds: IndexBox, totals: &mut Totals) {
-        let start = Instant::now();
-        let mask = self.window.mask(codes, bounds);
-        let pass = Pass { slices: Some(self.layer.clone()), ..self.setup.pass(true) };
-        // What is in reach of the layer decides; so a small object costs nothing, however far a blur spreads it.
-        let sums = if Scheme::has_no_band(&self.setup, &mask) {
-            ObjectSums::default()
-        } else {
-            Scheme::of_part(&self.setup, &mask).sums(&pass)
-        };
-        totals.integrated += sums.times.share_of_integrals(start.elapsed());
-        totals.sums = std::mem::take(&mut totals.sums).merged(&sums);
-        totals.add_voxels(&mask, self.layer.clone());
-    }
-
-    /// The selected objects, in order of selection or of label.
-    fn results(&self) -> Result<Vec<(LabelGroup, Measured)>, MeasureError> {
-        let labels = self.encoder.labels();
-        let groups = self.selection.resolve_among(labels[1..].iter().copied())?;
-        let key = |number: usize, group: &LabelGroup| match self.selection {
-            LabelSelection::All => self.encoder.code_of(group.labels()[0]).expect("it occurs"),
-            LabelSelection::Groups(_) => number,
-        };
-        let measured = |(number, group): (usize, LabelGroup)| {
-            let measured = self.setup.measured(&self.totals[&key(number, &group)]);
-            (group, measured)
-        };
-        Ok(groups.into_iter().enumerate().map(measured).collect())
-    }
+/// The layer of tiles of an image that begins at a slice; empty behind the last.
+fn layer_at(image: &IndexBox, slice: i64) -> IndexBox {
+    let mut layer = *image;
+    layer.lower[2] = slice;
+    layer.upper[2] = (slice + TILE[2]).min(image.upper[2]);
+    IndexBox::new(layer.lower, layer.upper)
 }

@@ -3,10 +3,10 @@
 use super::VoxelSummary;
 use crate::tiling::IndexBox;
 use crate::volume::{Grid, Mask};
-use std::ops::Range;
+use serde::{Deserialize, Serialize};
 
 /// Counts of an object's voxels. Sums of indices are whole numbers, so nothing is rounded before the last step.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) struct VoxelCounts {
     count: i128,
     /// Of twice the indices.
@@ -23,28 +23,44 @@ impl Default for VoxelCounts {
 }
 
 impl VoxelCounts {
-    /// Adds an object's voxels in a range of slices.
-    pub(super) fn add(&mut self, mask: &Mask, slices: Range<i64>) {
-        let IndexBox { lower, upper } = mask.bounds();
+    /// Of an object's voxels in a box.
+    pub(super) fn of(mask: &Mask, region: &IndexBox) -> Self {
+        let mut counts = Self::default();
+        let region = mask.bounds().intersection(region);
         let last = mask.grid().dimensions().map(|n| n as i64 - 1);
-        for z in slices.start.max(lower[2])..slices.end.min(upper[2]) {
-            for y in lower[1]..upper[1] {
-                for (a, b) in mask.runs(y, z) {
-                    let length = i128::from(b - a);
-                    self.count += length;
-                    self.sums[0] += length * i128::from(a + b - 1);
-                    self.sums[1] += length * 2 * i128::from(y);
-                    self.sums[2] += length * 2 * i128::from(z);
-                    for (axis, voxels, [first, end]) in
-                        [(0, 1, [a, b - 1]), (1, b - a, [y; 2]), (2, b - a, [z; 2])]
-                    {
-                        self.at_edge[axis][0] += if first == 0 { voxels as u64 } else { 0 };
-                        self.at_edge[axis][1] += if end == last[axis] { voxels as u64 } else { 0 };
-                    }
-                    self.bounds = self.bounds.hull(&IndexBox::new([a, y, z], [b, y + 1, z + 1]));
-                }
+        for (y, z) in region.rows() {
+            for (a, b) in mask.runs_within(y, z, (region.lower[0], region.upper[0])) {
+                counts.add((a, b), y, z, last);
             }
         }
+        counts
+    }
+
+    fn add(&mut self, (a, b): (i64, i64), y: i64, z: i64, last: [i64; 3]) {
+        let length = i128::from(b - a);
+        self.count += length;
+        self.sums[0] += length * i128::from(a + b - 1);
+        self.sums[1] += length * 2 * i128::from(y);
+        self.sums[2] += length * 2 * i128::from(z);
+        for (axis, voxels, [first, end]) in [(0, 1, [a, b - 1]), (1, b - a, [y; 2]), (2, b - a, [z; 2])] {
+            self.at_edge[axis][0] += if first == 0 { voxels as u64 } else { 0 };
+            self.at_edge[axis][1] += if end == last[axis] { voxels as u64 } else { 0 };
+        }
+        self.bounds = self.bounds.hull(&IndexBox::new([a, y, z], [b, y + 1, z + 1]));
+    }
+
+    /// Adds what was counted elsewhere.
+    pub(super) fn merge(&mut self, other: &Self) {
+        self.count += other.count;
+        self.sums.iter_mut().zip(other.sums).for_each(|(sum, more)| *sum += more);
+        let edges = self.at_edge.as_flattened_mut().iter_mut();
+        edges.zip(other.at_edge.as_flattened()).for_each(|(voxels, more)| *voxels += more);
+        self.bounds = self.bounds.hull(&other.bounds);
+    }
+
+    /// Whether counts that were read can be those of an image.
+    pub(super) fn are_valid(&self, grid: &Grid) -> bool {
+        grid.index_box().holds(&self.bounds) && (0..=grid.voxel_count() as i128).contains(&self.count)
     }
 
     /// Area of the voxels' faces on the image's first and last slice of each axis, mm^2: where the image cuts the object.

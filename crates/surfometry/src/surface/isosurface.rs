@@ -7,6 +7,7 @@ use crate::local_geometry::BAND_GROUP;
 use crate::tiling::{Block, ExactSum, IndexBox, TILE};
 use crate::volume::Grid;
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 use std::collections::HashMap;
 
 /// Extracts phi = 0 as a mesh in world coordinates.
@@ -149,7 +150,7 @@ impl SurfaceSummary {
 }
 
 /// What tiles add up to.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct SurfaceSums {
     vertices: u64,
     triangles: u64,

@@ -1,27 +1,54 @@
 //! Sums without rounding.
 //!
-//! A long fixed-point number that covers the whole range of f64 (a small superaccumulator, Neal 2015,
-//! arXiv:1505.05571). Own code because what is needed is the merging of two unfinished sums, which the crates that
-//! were looked at (`xsum`, `accurate`) do not offer.
+//! A long fixed-point number that reaches over the whole range of f64, of which only the digits that are not 0 are kept (a small
+//! superaccumulator, Neal 2015, arXiv:1505.05571). Own code because what is needed is the merging of two unfinished sums, which the
+//! crates that were looked at (`xsum`, `accurate`) do not offer.
+
+use serde::{Deserialize, Serialize};
 
 const LIMB_BITS: usize = 32;
-/// 2098 bits from the smallest subnormal to the largest finite f64, and room for carries.
-const LIMBS: usize = 67;
+/// 2098 bits from the smallest subnormal to the largest finite f64, and room for more additions than can be made.
+const LIMBS: usize = 72;
+/// Limbs that a sum which was written may have.
+const LIMBS_WRITTEN: usize = 70;
 /// Exponent of the lowest bit.
 const LOWEST: i32 = -1074;
-/// Additions after which carries must be propagated: each adds less than 2^32 to a limb of 63 bits.
-const CARRY_AFTER: u32 = 1 << 30;
 
 /// A sum of f64 values that is exact, so that the order of adding and merging cannot change a bit of it.
-#[derive(Debug, Clone)]
+///
+/// Equal sums are equal in every byte, however they came about.
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(try_from = "Digits")]
 pub struct ExactSum {
-    limbs: [i64; LIMBS],
-    pending: u32,
+    negative: bool,
+    /// Place of the lowest limb that is kept.
+    first: u8,
+    /// The magnitude's digits to the base 2^32, lowest first; neither the lowest nor the highest is 0.
+    limbs: Vec<u32>,
 }
 
-impl Default for ExactSum {
-    fn default() -> Self {
-        Self { limbs: [0; LIMBS], pending: 0 }
+/// A sum as it is read, before it is checked.
+#[derive(Deserialize)]
+struct Digits {
+    negative: bool,
+    first: u8,
+    limbs: Vec<u32>,
+}
+
+impl TryFrom<Digits> for ExactSum {
+    type Error = &'static str;
+
+    fn try_from(Digits { negative, first, limbs }: Digits) -> Result<Self, Self::Error> {
+        let normal = match limbs[..] {
+            [] => first == 0 && !negative,
+            [lowest, .., highest] => lowest != 0 && highest != 0,
+            [only] => only != 0,
+        };
+        if normal && usize::from(first) + limbs.len() <= LIMBS_WRITTEN {
+            Ok(Self { negative, first, limbs })
+        } else {
+            Err("an exact sum's digits are not in their one form")
+        }
     }
 }
 
@@ -38,55 +65,63 @@ impl ExactSum {
         // Subnormals share the exponent of the smallest normal numbers and lack the implicit bit.
         let mantissa = if exponent == 0 { fraction } else { fraction | 1 << 52 };
         let position = exponent.max(1) - 1;
-        let (limb, shift) = (position / LIMB_BITS, position % LIMB_BITS);
-        let wide = u128::from(mantissa) << shift;
-        let sign = if value.is_sign_negative() { -1 } else { 1 };
-        for part in 0..3 {
-            self.limbs[limb + part] += sign * i64::from((wide >> (part * LIMB_BITS)) as u32);
-        }
-        self.count(1);
+        let wide = u128::from(mantissa) << (position % LIMB_BITS);
+        let limbs = [0, 1, 2].map(|part| (wide >> (part * LIMB_BITS)) as u32);
+        self.add_limbs(value.is_sign_negative(), position / LIMB_BITS, &limbs);
     }
 
     /// Adds another sum.
     pub fn merge(&mut self, other: &Self) {
-        self.limbs.iter_mut().zip(&other.limbs).for_each(|(a, b)| *a += b);
-        self.count(other.pending + 1);
+        self.add_limbs(other.negative, usize::from(other.first), &other.limbs);
     }
 
-    fn count(&mut self, additions: u32) {
-        self.pending += additions;
-        if self.pending >= CARRY_AFTER {
-            self.limbs = carried(self.limbs);
-            self.pending = 1;
+    /// Adds a number of the given digits, of which `first` is the place of the lowest.
+    fn add_limbs(&mut self, negative: bool, first: usize, limbs: &[u32]) {
+        let own = usize::from(self.first)..usize::from(self.first) + self.limbs.len();
+        let low = if self.limbs.is_empty() { first } else { first.min(own.start) };
+        let high = own.end.max(first + limbs.len());
+        let mut work = [0i64; LIMBS];
+        let digits = &mut work[..=high - low];
+        for (negative, first, limbs) in
+            [(self.negative, own.start.max(low), &self.limbs[..]), (negative, first, limbs)]
+        {
+            for (digit, &limb) in digits[first - low..].iter_mut().zip(limbs) {
+                *digit += if negative { -i64::from(limb) } else { i64::from(limb) };
+            }
         }
+        carry(digits);
+        self.negative = digits[high - low] < 0;
+        if self.negative {
+            digits.iter_mut().for_each(|digit| *digit = -*digit);
+            carry(digits);
+        }
+        let zeros = digits.iter().take_while(|&&digit| digit == 0).count();
+        let end = digits.iter().rposition(|&digit| digit != 0).map_or(zeros, |highest| highest + 1);
+        self.first = if zeros == end { 0 } else { (low + zeros) as u8 };
+        self.limbs.clear();
+        self.limbs.extend(digits[zeros..end].iter().map(|&digit| digit as u32));
     }
 
     /// The f64 nearest to the exact sum.
     pub fn value(&self) -> f64 {
-        let mut limbs = carried(self.limbs);
-        let negative = limbs[LIMBS - 1] < 0;
-        if negative {
-            limbs = carried(limbs.map(|l| -l));
-        }
-        let Some(top) = limbs.iter().rposition(|&l| l != 0) else { return 0.0 };
         // The top three limbs hold at least 65 significant bits; a sticky bit stands for everything below.
-        let low = top.saturating_sub(2);
-        let mut head = limbs[low..=top].iter().rev().fold(0u128, |h, &l| h << LIMB_BITS | l as u128);
-        if limbs[..low].iter().any(|&l| l != 0) {
+        let low = self.limbs.len().saturating_sub(3);
+        let mut head = self.limbs[low..].iter().rev().fold(0u128, |h, &l| h << LIMB_BITS | u128::from(l));
+        if low > 0 {
             head |= 1;
         }
-        let magnitude = libm::ldexp(head as f64, LOWEST + (low * LIMB_BITS) as i32);
-        if negative { -magnitude } else { magnitude }
+        let magnitude =
+            libm::ldexp(head as f64, LOWEST + ((usize::from(self.first) + low) * LIMB_BITS) as i32);
+        if self.negative { -magnitude } else { magnitude }
     }
 }
 
-/// Limbs brought into 0 .. 2^32, the sign left in the last one.
-fn carried(mut limbs: [i64; LIMBS]) -> [i64; LIMBS] {
-    for i in 0..LIMBS - 1 {
-        limbs[i + 1] += limbs[i] >> LIMB_BITS;
-        limbs[i] &= (1 << LIMB_BITS) - 1;
+/// Brings digits into 0 .. 2^32, the sign left in the last one.
+fn carry(digits: &mut [i64]) {
+    for i in 1..digits.len() {
+        digits[i] += digits[i - 1] >> LIMB_BITS;
+        digits[i - 1] &= (1 << LIMB_BITS) - 1;
     }
-    limbs
 }
 
 #[cfg(test)]
@@ -129,7 +164,11 @@ mod tests {
             merged.merge(&sum(&values[..cut]));
             values.reverse();
             prop_assert_eq!(forward.value().to_bits(), merged.value().to_bits());
-            prop_assert_eq!(forward.value().to_bits(), sum(&values).value().to_bits());
+            prop_assert_eq!(&forward, &sum(&values));
+            prop_assert_eq!(&forward, &merged);
+            // What is taken off again leaves no trace.
+            values.iter().for_each(|v| merged.add(-v));
+            prop_assert_eq!(merged, ExactSum::default());
         }
     }
 }

@@ -1,12 +1,23 @@
 //! Boxes of voxel indices.
 
+use serde::{Deserialize, Serialize};
+use std::fmt;
+
 /// A half-open box of voxel indices, x first. Indices may be negative: a halo reaches beyond the image.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub struct IndexBox {
     /// First index along each axis.
     pub lower: [i64; 3],
     /// One past the last index along each axis.
     pub upper: [i64; 3],
+}
+
+/// As ranges of indices, their ends left out.
+impl fmt::Display for IndexBox {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { lower: [x0, y0, z0], upper: [x1, y1, z1] } = self;
+        write!(f, "x {x0}..{x1}, y {y0}..{y1}, z {z0}..{z1}")
+    }
 }
 
 impl IndexBox {
@@ -49,6 +60,16 @@ impl IndexBox {
         (0..3).all(|a| (self.lower[a]..self.upper[a]).contains(&index[a]))
     }
 
+    /// Whether it shares voxels, faces, edges or corners with another.
+    pub(crate) fn is_near(&self, other: &Self) -> bool {
+        (0..3).all(|a| self.lower[a] <= other.upper[a] && other.lower[a] <= self.upper[a])
+    }
+
+    /// Whether its ends are those of a box with voxels, as they may not be where it was read.
+    pub(crate) fn has_voxels(&self) -> bool {
+        (0..3).all(|a| self.lower[a] < self.upper[a])
+    }
+
     /// The box with a halo on both sides of each axis; an empty box stays empty.
     #[must_use]
     pub fn grown(&self, halo: [i64; 3]) -> Self {
@@ -68,6 +89,30 @@ impl IndexBox {
             std::array::from_fn(|a| self.lower[a].max(other.lower[a])),
             std::array::from_fn(|a| self.upper[a].min(other.upper[a])),
         )
+    }
+
+    /// Whether every voxel of another lies in it.
+    pub fn holds(&self, other: &Self) -> bool {
+        self.intersection(other) == *other
+    }
+
+    /// What lies in it and not in another, as disjoint boxes.
+    pub fn without(&self, other: &Self) -> Vec<Self> {
+        let mut rest = *self;
+        let mut parts = Vec::new();
+        for axis in 0..3 {
+            let (mut before, mut behind) = (rest, rest);
+            before.upper[axis] = rest.upper[axis].min(other.lower[axis]);
+            behind.lower[axis] = rest.lower[axis].max(other.upper[axis]);
+            parts.extend([before, behind].map(|part| Self::new(part.lower, part.upper)));
+            rest.lower[axis] = rest.lower[axis].max(other.lower[axis]);
+            rest.upper[axis] = rest.upper[axis].min(other.upper[axis]);
+            if rest.lower[axis] >= rest.upper[axis] {
+                break;
+            }
+        }
+        parts.retain(|part| !part.is_empty());
+        parts
     }
 
     /// The smallest box around two.
@@ -136,6 +181,23 @@ mod tests {
         assert_eq!(a.intersection(&b), IndexBox::new([2; 3], [4; 3]));
         assert_eq!(a.hull(&IndexBox::EMPTY), a);
         assert!(a.intersection(&IndexBox::new([5; 3], [6; 3])).is_empty());
+        assert!(a.holds(&IndexBox::new([1; 3], [4; 3])) && !a.holds(&b));
         assert!(IndexBox::EMPTY.grown([3; 3]).is_empty());
+    }
+
+    #[test]
+    fn what_is_left_is_disjoint_and_all() {
+        let whole = IndexBox::new([0; 3], [5, 4, 3]);
+        for hole in [[[1; 3], [2; 3]], [[-3, 1, 0], [9, 2, 3]], [[0; 3], [5, 4, 3]], [[7; 3], [8; 3]]] {
+            let hole = IndexBox::new(hole[0], hole[1]);
+            let parts = whole.without(&hole);
+            for (y, z) in whole.rows() {
+                for x in 0..5 {
+                    let holding = parts.iter().filter(|part| part.contains([x, y, z])).count();
+                    assert_eq!(holding, usize::from(!hole.contains([x, y, z])));
+                }
+            }
+        }
+        assert!(IndexBox::EMPTY.without(&whole).is_empty());
     }
 }

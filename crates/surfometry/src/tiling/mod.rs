@@ -4,11 +4,14 @@
 //! never at a crop, so that a voxel belongs to the same tile whatever else is measured, on any number of threads.
 
 mod block;
+mod cover;
 mod exact_sum;
 mod index_box;
+pub(crate) mod pairs;
 mod pool;
 
 pub use block::Block;
+pub(crate) use cover::{Cover, Joint};
 pub use exact_sum::ExactSum;
 pub use index_box::IndexBox;
 pub use pool::Pool;

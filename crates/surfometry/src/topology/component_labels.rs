@@ -27,14 +27,20 @@ impl ComponentLabels {
             Connectivity::Foreground26 => mask.bounds(),
             Connectivity::Background6 => mask.bounds().grown([1; 3]),
         };
+        Self::in_box(mask, connectivity, region)
+    }
+
+    /// Labels what lies in a box, as if nothing were beyond it.
+    pub(super) fn in_box(mask: &Mask, connectivity: Connectivity, region: IndexBox) -> Self {
         let (x0, x1) = (region.lower[0], region.upper[0]);
         let mut labels =
             Self { connectivity, region, runs: Vec::new(), ends: Vec::new(), sets: DisjointSets::default() };
         for (y, z) in region.rows() {
             let first = labels.runs.len();
+            let inside = mask.runs_within(y, z, (x0, x1));
             match connectivity {
-                Connectivity::Foreground26 => labels.runs.extend(mask.runs(y, z)),
-                Connectivity::Background6 => labels.runs.extend(gaps(mask.runs(y, z), x0, x1)),
+                Connectivity::Foreground26 => labels.runs.extend(inside),
+                Connectivity::Background6 => labels.runs.extend(gaps(inside, x0, x1)),
             }
             labels.sets.add(labels.runs.len() - first);
             labels.ends.push(labels.runs.len());
@@ -121,6 +127,17 @@ impl ComponentLabels {
         let row = self.row(y, z);
         let place = row.start + self.runs[row.clone()].partition_point(|run| run.1 <= x);
         (place < row.end && self.runs[place].0 <= x).then_some(place)
+    }
+
+    /// The runs of a row that was labelled, and the first one's number among the members of the sets.
+    pub(super) fn row_runs(&self, y: i64, z: i64) -> (usize, &[Run]) {
+        let row = self.row(y, z);
+        (row.start, &self.runs[row])
+    }
+
+    /// What is connected with what, each run a member.
+    pub(super) fn into_sets(self) -> DisjointSets {
+        self.sets
     }
 
     /// The runs of a row that was labelled; none elsewhere.

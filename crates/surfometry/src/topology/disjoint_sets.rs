@@ -3,45 +3,45 @@
 /// Union-find with path halving.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct DisjointSets {
-    parent: Vec<usize>,
+    parent: Vec<u32>,
 }
 
 impl DisjointSets {
     /// Adds sets of one member each; the first one's number.
     pub(crate) fn add(&mut self, count: usize) -> usize {
         let first = self.parent.len();
-        self.parent.extend(first..first + count);
+        let end = u32::try_from(first + count).expect("fewer than 2^32 members");
+        self.parent.extend(first as u32..end);
         first
     }
 
+    /// Number of members.
+    pub(crate) fn members(&self) -> usize {
+        self.parent.len()
+    }
+
     /// The member that stands for another's set.
-    pub(crate) fn root(&mut self, mut i: usize) -> usize {
-        while self.parent[i] != i {
-            self.parent[i] = self.parent[self.parent[i]];
-            i = self.parent[i];
+    pub(crate) fn root(&mut self, i: usize) -> usize {
+        let mut i = i as u32;
+        loop {
+            let parent = self.parent[i as usize];
+            if parent == i {
+                return i as usize;
+            }
+            let next = self.parent[parent as usize];
+            self.parent[i as usize] = next;
+            i = next;
         }
-        i
     }
 
     /// Makes one of two members' sets.
     pub(crate) fn join(&mut self, a: usize, b: usize) {
         let (a, b) = (self.root(a), self.root(b));
-        self.parent[a.max(b)] = a.min(b);
-    }
-
-    /// Keeps the sets of some members only, each member numbered by its place in the list; how many other sets there were.
-    pub(crate) fn keep(&mut self, members: &[usize]) -> u64 {
-        let roots: Vec<usize> = members.iter().map(|&member| self.root(member)).collect();
-        let all = self.count();
-        let mut first = std::collections::HashMap::new();
-        let parent: Vec<usize> =
-            roots.iter().enumerate().map(|(place, root)| *first.entry(*root).or_insert(place)).collect();
-        self.parent = parent;
-        all - first.len() as u64
+        self.parent[a.max(b)] = a.min(b) as u32;
     }
 
     /// Number of sets.
     pub(crate) fn count(&self) -> u64 {
-        self.parent.iter().enumerate().filter(|(i, parent)| i == *parent).count() as u64
+        (0..).zip(&self.parent).filter(|&(i, &parent): &(u32, &u32)| i == parent).count() as u64
     }
 }

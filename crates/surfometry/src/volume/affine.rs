@@ -1,10 +1,12 @@
 //! Index-to-world transform.
 
+use serde::{Deserialize, Serialize};
+
 /// Maps a voxel index (x, y, z) to world coordinates in mm: `linear * index + origin`.
 ///
 /// World axes are RAS (x to the right, y to the front, z to the head), as in NIfTI; readers of LPS formats
 /// (MetaImage, NRRD, DICOM) convert.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Affine {
     /// `linear[world axis][image axis]`, mm per voxel.
     pub linear: [[f64; 3]; 3],

@@ -1,5 +1,6 @@
 //! What can be wrong with an image before anything is measured.
 
+use crate::tiling::IndexBox;
 use thiserror::Error;
 
 /// Why an image cannot be used; every message says what to do about it.
@@ -137,6 +138,14 @@ pub enum VolumeError {
         found: usize,
         /// Voxels of the grid.
         expected: usize,
+    },
+    /// A box that is not a part of its image.
+    #[error("the box {region} is no part of the image {image}: give a box of its voxels, of at least one")]
+    BoxBeyondImage {
+        /// The box.
+        region: IndexBox,
+        /// The image.
+        image: IndexBox,
     },
     /// No voxel differs from the background.
     #[error("no foreground: every voxel is 0; check that this is the segmentation and not an empty export")]

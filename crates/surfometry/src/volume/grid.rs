@@ -2,17 +2,40 @@
 
 use super::{Affine, Spacing, VolumeError};
 use crate::tiling::IndexBox;
+use serde::{Deserialize, Serialize};
 
 /// Cosine between two image axes above which the affine counts as sheared. Oblique headers in f32 reach 1e-6,
 /// rounded ones of some exporters 1e-4; 1e-3 (0.06 degrees) changes an area by less than 1e-6.
 const SHEAR_TOLERANCE: f64 = 1e-3;
 
 /// Dimensions, spacing and index-to-world affine of an image. Axis 0 (x) is the fastest in memory.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "Lattice", into = "Lattice")]
 pub struct Grid {
     dimensions: [usize; 3],
     spacing: Spacing,
     affine: Affine,
+}
+
+/// What a grid is written as.
+#[derive(Serialize, Deserialize)]
+struct Lattice {
+    dimensions: [usize; 3],
+    affine: Affine,
+}
+
+impl From<Grid> for Lattice {
+    fn from(Grid { dimensions, affine, .. }: Grid) -> Self {
+        Self { dimensions, affine }
+    }
+}
+
+impl TryFrom<Lattice> for Grid {
+    type Error = VolumeError;
+
+    fn try_from(Lattice { dimensions, affine }: Lattice) -> Result<Self, VolumeError> {
+        Self::new(dimensions, affine)
+    }
 }
 
 impl Grid {

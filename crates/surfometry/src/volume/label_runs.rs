@@ -97,18 +97,20 @@ impl SliceRuns {
     }
 }
 
-/// Slices of an image, all or those that are in work. Segmentations are long runs of one label, so that memory follows their surfaces.
+/// Slices of an image or of a box of it, all or those that are in work. Segmentations are long runs of one label, so that memory follows their surfaces.
 #[derive(Debug, Clone)]
 pub(crate) struct LabelRuns {
     grid: Grid,
+    first_row: usize,
     first_slice: usize,
     slices: VecDeque<SliceRuns>,
 }
 
 impl LabelRuns {
-    /// None yet.
-    pub(crate) fn new(grid: Grid) -> Self {
-        Self { grid, first_slice: 0, slices: VecDeque::new() }
+    /// None yet, of a box of an image.
+    pub(crate) fn new(grid: Grid, region: &IndexBox) -> Self {
+        let [_, first_row, first_slice] = region.lower.map(|v| v as usize);
+        Self { grid, first_row, first_slice, slices: VecDeque::new() }
     }
 
     /// Adds the next slice.
@@ -132,19 +134,23 @@ impl LabelRuns {
         &self.slices[z - self.first_slice]
     }
 
+    fn row(&self, y: usize, z: usize) -> impl Iterator<Item = Run> + '_ {
+        self.slice(z).row(y - self.first_row)
+    }
+
     /// Code of the label at an index, 0 for background.
     pub(crate) fn code_at(&self, [x, y, z]: [usize; 3]) -> usize {
-        self.slice(z).code_at(x, y) as usize
+        self.slice(z).code_at(x, y - self.first_row) as usize
     }
 
     /// The box around the voxels of each label, by code, in the slices that are there.
     pub(crate) fn bounds(&self, codes: usize) -> Vec<IndexBox> {
         let mut bounds = vec![IndexBox::EMPTY; codes];
         for (z, slice) in (self.first_slice..).zip(&self.slices) {
-            for y in 0..slice.ends.len() {
-                for run in slice.row(y) {
+            for row in 0..slice.ends.len() {
+                for run in slice.row(row) {
                     let all = &mut bounds[run.code as usize];
-                    *all = all.hull(&run.voxels(y, z));
+                    *all = all.hull(&run.voxels(self.first_row + row, z));
                 }
             }
         }
@@ -158,10 +164,7 @@ impl LabelRuns {
             _ => codes.binary_search(&(code as usize)).is_ok(),
         };
         Mask::from_runs(self.grid, bounds, |y, z| {
-            self.slice(z)
-                .row(y)
-                .filter(|run| is_member(run.code))
-                .map(|run| (run.start as usize, run.end as usize))
+            self.row(y, z).filter(|run| is_member(run.code)).map(|run| (run.start as usize, run.end as usize))
         })
     }
 }

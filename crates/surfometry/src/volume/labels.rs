@@ -39,12 +39,13 @@ impl LabelImage {
     /// # Errors
     /// The source's own, and [`VolumeError`] for voxels that are no labels, too few voxels, or too little memory.
     pub fn from_slabs<R: SlabReader>(reader: &mut R) -> Result<Self, R::Error> {
-        let mut encoder = RunEncoder::new(*reader.grid());
-        let mut runs = LabelRuns::new(*reader.grid());
+        let grid = *reader.grid();
+        let mut encoder = RunEncoder::new(grid.index_box());
+        let mut runs = LabelRuns::new(grid, &grid.index_box());
         while let Some(slab) = reader.next_slab()? {
             encoder.push(&slab, &mut runs)?;
         }
-        Ok(encoder.finish(runs)?)
+        Ok(encoder.finish(grid, runs)?)
     }
 
     /// Of an array in memory, x fastest, of as many voxels as the grid has.
@@ -52,9 +53,23 @@ impl LabelImage {
     /// # Errors
     /// [`VolumeError`] for voxels that are no labels, or too few of them.
     pub fn from_voxels<T: Scalar>(grid: Grid, voxels: &[T]) -> Result<Self, VolumeError> {
-        let (mut encoder, mut runs) = (RunEncoder::new(grid), LabelRuns::new(grid));
+        Self::of_part(grid, grid.index_box(), voxels)
+    }
+
+    /// Of the voxels of a box of an image, of which nothing else is known.
+    pub(super) fn of_part<T: Scalar>(
+        grid: Grid,
+        region: IndexBox,
+        voxels: &[T],
+    ) -> Result<Self, VolumeError> {
+        let (mut encoder, mut runs) = (RunEncoder::new(region), LabelRuns::new(grid, &region));
         encoder.push_values(voxels, &mut runs)?;
-        encoder.finish(runs)
+        encoder.finish(grid, runs)
+    }
+
+    /// The runs of labels, and what is known of the labels in ascending order.
+    pub(super) fn runs(&self) -> &LabelRuns {
+        &self.runs
     }
 
     /// The image's lattice.
@@ -96,7 +111,8 @@ impl LabelImage {
 
 /// Turns slabs into runs, and counts what occurs.
 pub(crate) struct RunEncoder {
-    grid: Grid,
+    /// The image, or the box of it that is known.
+    region: IndexBox,
     /// Label of each code, in order of first appearance; code 0 is background.
     labels: Vec<i64>,
     code_of: HashMap<i64, usize>,
@@ -105,9 +121,9 @@ pub(crate) struct RunEncoder {
 }
 
 impl RunEncoder {
-    pub(crate) fn new(grid: Grid) -> Self {
+    pub(crate) fn new(region: IndexBox) -> Self {
         Self {
-            grid,
+            region,
             labels: vec![0],
             code_of: HashMap::from([(0, 0)]),
             summaries: vec![LabelSummary::empty(0, 0)],
@@ -115,9 +131,9 @@ impl RunEncoder {
         }
     }
 
-    fn finish(self, runs: LabelRuns) -> Result<LabelImage, VolumeError> {
+    fn finish(self, grid: Grid, runs: LabelRuns) -> Result<LabelImage, VolumeError> {
         self.check_complete()?;
-        let Self { grid, labels, mut summaries, .. } = self;
+        let Self { labels, mut summaries, .. } = self;
         summaries.remove(0);
         summaries.sort_by_key(|s| s.label);
         Ok(LabelImage { grid, labels, runs, summaries })
@@ -133,13 +149,8 @@ impl RunEncoder {
         &self.labels
     }
 
-    /// The code of a label that has occurred.
-    pub(crate) fn code_of(&self, label: i64) -> Option<usize> {
-        self.code_of.get(&label).copied().filter(|&code| code != 0)
-    }
-
     pub(crate) fn check_complete(&self) -> Result<(), VolumeError> {
-        let expected = self.grid.voxel_count();
+        let expected = self.region.voxels();
         if self.voxels == expected {
             Ok(())
         } else {
@@ -149,12 +160,10 @@ impl RunEncoder {
 
     /// Slices are encoded in parallel, each with a list of its own labels, and joined in their order.
     fn push_values<T: Scalar>(&mut self, values: &[T], runs: &mut LabelRuns) -> Result<(), VolumeError> {
-        let [nx, ny, _] = self.grid.dimensions();
-        let first = self.voxels;
-        let encode = |(number, slice): (usize, &[T])| {
-            let start = first + number * nx * ny;
-            dispatch!(Level::new(), _simd => EncodedSlice::of(slice, &self.grid, start))
-        };
+        let [nx, ny, _] = self.region.extent();
+        let [x, y, z] = self.region.lower.map(|v| v as usize);
+        let first = z + self.voxels / (nx * ny);
+        let encode = |(number, slice): (usize, &[T])| dispatch!(Level::new(), _simd => EncodedSlice::of(slice, nx, [x, y, first + number]));
         let encoded: Vec<_> = values.par_chunks(nx * ny).enumerate().map(encode).collect();
         for slice in encoded {
             let EncodedSlice { runs: mut slice_runs, summaries } = slice?;
@@ -188,16 +197,14 @@ struct EncodedSlice {
 }
 
 impl EncodedSlice {
-    /// Of the voxels of a slice, the first of which is number `first` of the image. Run by run: a label is looked up once a run, and not where it
+    /// Of the voxels of a slice in rows of `nx`, of which `first` is the first one's index. Run by run: a label is looked up once a run, and not where it
     /// is that of a run just before.
     #[inline(always)]
-    fn of<T: Scalar>(slice: &[T], grid: &Grid, first: usize) -> Result<Self, VolumeError> {
-        let nx = grid.dimensions()[0];
+    fn of<T: Scalar>(slice: &[T], nx: usize, [x, y, z]: [usize; 3]) -> Result<Self, VolumeError> {
         let mut encoded = Self { runs: SliceRuns::default(), summaries: vec![LabelSummary::empty(0, 0)] };
         let mut code_of = HashMap::from([(0, 0)]);
         let mut recent: [Option<(T, usize)>; 2] = [None; 2];
-        for (number, row) in slice.chunks(nx).enumerate() {
-            let [_, y, z] = grid.index_of(first + number * nx);
+        for (y, row) in (y..).zip(slice.chunks(nx)) {
             let mut start = 0;
             while start < row.len() {
                 let value = row[start];
@@ -206,9 +213,8 @@ impl EncodedSlice {
                 let code = if let Some((_, code)) = known {
                     code
                 } else {
-                    let offset = first + number * nx + start;
                     let label =
-                        value.to_label().ok_or_else(|| label_error(value.to_f64(), grid.index_of(offset)))?;
+                        value.to_label().ok_or_else(|| label_error(value.to_f64(), [x + start, y, z]))?;
                     let next = encoded.summaries.len();
                     let code = *code_of.entry(label).or_insert(next);
                     if code == next {
@@ -218,7 +224,8 @@ impl EncodedSlice {
                     code
                 };
                 if code != 0 {
-                    let run = Run { start: start as u32, end: end as u32, code: code as u32 };
+                    let [start, end] = [x + start, x + end].map(|x| x as u32);
+                    let run = Run { start, end, code: code as u32 };
                     encoded.summaries[code].add_run(&run, y, z);
                     encoded.runs.push(run);
                 }
@@ -264,6 +271,11 @@ fn label_error(value: f64, index: [usize; 3]) -> VolumeError {
 impl LabelSummary {
     fn empty(label: i64, code: usize) -> Self {
         Self { label, voxels: 0, bounds: IndexBox::EMPTY, code }
+    }
+
+    /// The label, its code, and the box around its voxels.
+    pub(super) fn coded(&self) -> (i64, usize, IndexBox) {
+        (self.label, self.code, self.bounds)
     }
 
     fn add_run(&mut self, run: &Run, y: usize, z: usize) {

@@ -16,6 +16,11 @@ impl LabelGroup {
         Self(vec![label])
     }
 
+    /// A group of several.
+    pub(crate) fn united(labels: Vec<i64>) -> Self {
+        Self(labels)
+    }
+
     /// The labels.
     pub fn labels(&self) -> &[i64] {
         &self.0
