@@ -2,13 +2,11 @@
 
 mod common;
 
-use common::{phantom, poses};
+use common::{phantom, poses, without_times};
 use surfometry::Measurement;
-use surfometry::measurement::{Derivatives, EmbeddingKind, Measured, StageSeconds};
+use surfometry::measurement::{Derivatives, EmbeddingKind};
 use surfometry::phantoms::Genus;
-use surfometry::volume::{
-    Grid, LabelGroup, LabelImage, LabelSelection, Samples, Slab, SlabReader, VolumeError,
-};
+use surfometry::volume::{Grid, LabelImage, LabelSelection, Samples, Slab, SlabReader, VolumeError};
 
 /// An image as slabs of a number of slices.
 struct InSlabs<'a> {
@@ -53,17 +51,6 @@ fn stack() -> LabelImage {
     let grid = Grid::axis_aligned(dimensions, [0.9, 0.8, 0.7]).unwrap();
     let values: Vec<i16> = (0..grid.voxel_count()).map(|offset| label(grid.index_of(offset))).collect();
     LabelImage::from_voxels(grid, &values).unwrap()
-}
-
-/// Everything but the times.
-fn without_times(results: &[(LabelGroup, Measured)]) -> Vec<String> {
-    let text = |(group, measured): &(LabelGroup, Measured)| {
-        let mut measured = measured.clone();
-        measured.timings = StageSeconds::default();
-        // Debug prints every digit of an f64.
-        format!("{group} {measured:?}")
-    };
-    results.iter().map(text).collect()
 }
 
 #[test]

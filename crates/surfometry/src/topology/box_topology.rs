@@ -241,7 +241,7 @@ mod tests {
 
     /// Boxes painted over each other, which leaves shells and hollows, with noise on top.
     fn voxels() -> impl Strategy<Value = Vec<bool>> {
-        let painted = (prop::array::uniform3(0..9usize), prop::array::uniform3(1..9usize), any::<bool>());
+        let painted = (prop::array::uniform3(0..6usize), prop::array::uniform3(1..10usize), any::<bool>());
         let noise = prop_oneof![3 => Just(0.02), 1 => Just(0.3), 1 => Just(0.6)];
         let noise =
             noise.prop_flat_map(|share| prop::collection::vec(prop::bool::weighted(share), 9 * 8 * 7));
@@ -300,9 +300,9 @@ mod tests {
         #[test]
         fn boxes_in_any_order_are_the_whole(
             on in voxels(),
-            cuts in prop::collection::vec((any::<prop::sample::Index>(), 0..3usize, any::<prop::sample::Index>()), 0..12),
-            order in prop::collection::vec(any::<[prop::sample::Index; 2]>(), 12),
-            other_order in prop::collection::vec(any::<[prop::sample::Index; 2]>(), 12),
+            cuts in prop::collection::vec((any::<prop::sample::Index>(), 0..3usize, any::<prop::sample::Index>()), 0..30),
+            order in prop::collection::vec(any::<[prop::sample::Index; 2]>(), 30),
+            other_order in prop::collection::vec(any::<[prop::sample::Index; 2]>(), 30),
         ) {
             let grid = Grid::axis_aligned(N, [1.0; 3]).unwrap();
             let inside = |[x, y, z]: [usize; 3]| on[(z * N[1] + y) * N[0] + x];

@@ -2,8 +2,9 @@
 #![allow(dead_code, missing_docs, unreachable_pub)]
 
 use surfometry::Measurement;
-use surfometry::measurement::Measured;
+use surfometry::measurement::{Measured, StageSeconds};
 use surfometry::phantoms::{Phantom, Pose, Shape, Truth};
+use surfometry::volume::LabelGroup;
 
 /// Rotations and shifts that leave no axis special and no centre on the grid.
 pub fn poses() -> [Pose; 3] {
@@ -20,6 +21,17 @@ pub const SPACINGS: [[f64; 3]; 5] =
 
 pub fn phantom(shape: impl Shape + 'static, pose: Pose, spacing: [f64; 3]) -> Phantom {
     Phantom::new(shape, pose, spacing).expect("a valid phantom")
+}
+
+/// All of some results but the times.
+pub fn without_times(results: &[(LabelGroup, Measured)]) -> Vec<String> {
+    let text = |(group, measured): &(LabelGroup, Measured)| {
+        let mut measured = measured.clone();
+        measured.timings = StageSeconds::default();
+        // Debug prints every digit of an f64.
+        format!("{group} {measured:?}")
+    };
+    results.iter().map(text).collect()
 }
 
 /// Measures a phantom's voxels.
