@@ -131,7 +131,8 @@ impl<'a> Labels<'a> {
         let start = Instant::now();
         let mask = self.runs.mask(&group.codes, group.bounds);
         let image = setup.grid.index_box();
-        let pass = Pass { tiles: Some(tiles_of(region, &image)), ..setup.pass(true) };
+        let (tiles, cells) = (Some(tiles_of(region, &image)), Scheme::cells_of_band(setup, &mask));
+        let pass = Pass { tiles, region: cells, ..setup.pass(true) };
         // What is in reach of the box decides; so a small object costs nothing, however far a blur spreads it.
         let sums = if Scheme::has_no_band(setup, &mask) {
             ObjectSums::default()

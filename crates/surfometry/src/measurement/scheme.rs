@@ -11,7 +11,7 @@ use crate::integrals::Band;
 use crate::local_geometry::{
     BandVoxel, Differentiation, FiniteDifferences, GaussianDerivatives, Jet, MatchedDifferences,
 };
-use crate::surface::{Surface, VertexExtras, cell_limits};
+use crate::surface::{Surface, VertexExtras, cell_limits, cells_around};
 use crate::tiling::IndexBox;
 use crate::volume::{FieldImage, Grid, Mask, ProbabilityImage};
 
@@ -102,6 +102,27 @@ impl<'a> Scheme<'a> {
     pub(super) fn has_no_band(setup: &Setup, mask: &Mask) -> bool {
         let band = setup.parameters.level_or_half() - setup.band.delta().half_width();
         is_below(setup, &mask.bounds(), || mask.voxels() as f64, band * (1.0 - 1e-6))
+    }
+
+    /// A box, of voxels that are worked on together, outside which the band is known to be nowhere; `None` where no bound is known.
+    pub(super) fn cells_of_band(setup: &Setup, mask: &Mask) -> Option<IndexBox> {
+        // Fields are in single precision.
+        const ROUNDING: f64 = 1e-4;
+        let sigma = setup.parameters.sigma_mm?;
+        let band = setup.parameters.level_or_half() - setup.band.delta().half_width() - ROUNDING;
+        let (spacing, extent) = (setup.grid.spacing().mm(), mask.bounds().extent());
+        let kernels = spacing.map(|h| GaussianKernel::new(sigma, h, 0, truncation_of(setup)));
+        let weight = setup.parameters.embedding.profile(sigma).terms()[0].0;
+        let highest: [f64; 3] = std::array::from_fn(|a| kernels[a].largest_sum(extent[a]));
+        // Beside the object's box the blur is at most what comes of a box as wide, so far off along that axis.
+        let reach = |a: usize| {
+            let taps = &kernels[a].taps()[kernels[a].radius()..];
+            let others = weight * highest[(a + 1) % 3] * highest[(a + 2) % 3];
+            let is_below =
+                |&distance: &usize| others * taps[distance..].iter().take(extent[a]).sum::<f64>() < band;
+            (1..taps.len()).find(is_below).unwrap_or(taps.len()) as i64 - 1
+        };
+        (band > 0.0).then(|| cells_around(&mask.bounds().grown(std::array::from_fn(reach))))
     }
 
     /// Voxels around a box, on each side of each axis, in which an object must be known for what is summed over the box.

@@ -23,10 +23,15 @@ pub fn extract<E: Embedding>(embedding: &E, grid: &Grid) -> Mesh {
 /// Where a surface's cells lie: the support of a field and one voxel around it, which is outside and closes the surface; less where
 /// the field ends. Along x whole groups of voxels, so that voxels are grouped in the same way whatever part of an object is known.
 pub(crate) fn cell_limits<E: Embedding + ?Sized>(embedding: &E, half_width: f64) -> IndexBox {
-    let mut limits = embedding.support(half_width).grown([1; 3]);
+    embedding.available(&cells_around(&embedding.support(half_width)))
+}
+
+/// Box of the cells that a surface within another may cross, in whole groups of voxels.
+pub(crate) fn cells_around(support: &IndexBox) -> IndexBox {
+    let mut limits = support.grown([1; 3]);
     limits.lower[0] = limits.lower[0].div_euclid(GROUP) * GROUP;
     limits.upper[0] = -(-limits.upper[0]).div_euclid(GROUP) * GROUP;
-    embedding.available(&limits)
+    limits
 }
 
 /// Voxels along x that are worked on together.

@@ -18,7 +18,7 @@ pub(crate) use cell_interior::inside_is_joined;
 pub use curvature_summary::CurvatureSummary;
 pub use distribution::{Distribution, Histogram, Moments, QUANTILES};
 pub use isosurface::{SurfaceSummary, extract};
-pub(crate) use isosurface::{SurfaceSums, cell_limits};
+pub(crate) use isosurface::{SurfaceSums, cell_limits, cells_around};
 pub use mesh::Mesh;
 pub(crate) use mesh::{cross, dot, length, minus, unit};
 pub use quantity::LocalQuantity;
