@@ -147,17 +147,6 @@ impl ComponentLabels {
         self.sets
     }
 
-    /// The runs of a row that was labelled, and the first one's number among the members of the sets.
-    pub(super) fn row_runs(&self, y: i64, z: i64) -> (usize, &[Run]) {
-        let row = self.row(y, z);
-        (row.start, &self.runs[row])
-    }
-
-    /// What is connected with what, each run a member.
-    pub(super) fn into_sets(self) -> DisjointSets {
-        self.sets
-    }
-
     /// The runs of a row that was labelled; none elsewhere.
     fn row(&self, y: i64, z: i64) -> std::ops::Range<usize> {
         let [_, y0, z0] = self.region.lower;
