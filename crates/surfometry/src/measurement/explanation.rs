@@ -1,10 +1,11 @@
 //! Why voxels, mesh and band disagree about an object's topology, and where.
 
-use super::{Measured, Object, VoxelQuantity};
+use super::level_sets::LevelSets;
+use super::{Measured, Object};
 use crate::accuracy::{FlagCode, decimals_for, place_text};
-use crate::tiling::Block;
-use crate::topology::{ChangeKind, TopologyChange, topology_changes};
-use crate::volume::{Grid, Mask};
+use crate::tiling::WorkTime;
+use crate::topology::{ChangeKind, TopologyChange, timed_changes};
+use crate::volume::Grid;
 use serde::{Deserialize, Serialize};
 use std::fmt::Write;
 
@@ -97,64 +98,74 @@ impl Object {
     ///
     /// The voxels are compared with the solids inside three levels of phi: 0, and both ends of the band. The sum of the blur's changes is
     /// exactly the difference of the Euler numbers of the voxels and of those inside phi = 0 (26-connected).
+    ///
+    /// Memory follows the surface: some 16 bytes for each voxel of the band and each that the blur puts on the other side, and a few bits
+    /// for each of the object's box.
     pub fn explain_topology(&self) -> Option<TopologyExplanation> {
-        let scheme = self.scheme().filter(|_| self.setup.parameters.embedding.is_blur())?;
-        let half_width = self.delta().half_width();
-        let phi = self.voxel_map(VoxelQuantity::Phi, &scheme.limits(half_width))?;
-        let below = |level: f64| Mask::of_values(*self.grid(), &phi, |phi| f64::from(phi) < level);
-        let at =
-            |voxel: [i64; 3]| if phi.region().contains(voxel) { f64::from(phi.get(voxel)) } else { f64::MAX };
+        self.explain_topology_of(usize::MAX, &WorkTime::default())
+    }
+
+    /// The same, with the time that it takes; `None` also where more than so many voxels of the band, or that the blur puts on the other
+    /// side, would have to be looked at.
+    pub(crate) fn explain_topology_of(&self, most: usize, time: &WorkTime) -> Option<TopologyExplanation> {
+        let steepest = self.setup.parameters.profile()?.slope(0.0).abs();
+        let LevelSets { inner, surface, outer, phi, weakest } = LevelSets::of(self, most, time)?;
+        let from_surface = |voxel: [i64; 3]| phi.get(voxel).abs();
+        let (outwards, (inwards, blur)) = rayon::join(
+            || timed_changes(&surface, &outer, from_surface, time),
+            || {
+                rayon::join(
+                    || timed_changes(&surface, &inner, from_surface, time),
+                    // From far levels to 0: what is deepest on its new side first.
+                    || timed_changes(&self.mask, &surface, |voxel| -from_surface(voxel), time),
+                )
+            },
+        );
         let located =
             |stage, change: &TopologyChange, share| LocatedChange::new(stage, change, self.grid(), share);
-        let surface = below(0.0);
-        // From far levels to 0: what is deepest on its new side first.
         let mut changes: Vec<LocatedChange> =
-            topology_changes(self.mask(), &surface, |voxel| -at(voxel).abs())
-                .iter()
-                .map(|change| located(ChangeStage::Blur, change, 1.0))
-                .collect();
-        for (level, outwards) in [(-half_width, false), (half_width, true)] {
-            // From 0 to the band's end.
-            for change in topology_changes(&surface, &below(level), |voxel| at(voxel).abs()) {
-                let passed = self.delta().heaviside(at(change.voxel));
-                let share = if outwards { 1.0 - passed } else { passed };
-                changes.push(located(ChangeStage::Band, &change, share));
-            }
-        }
+            blur.iter().map(|change| located(ChangeStage::Blur, change, 1.0)).collect();
+        let passed = |change: &TopologyChange| self.delta().heaviside(f64::from(phi.get(change.voxel)));
+        changes.extend(inwards.iter().map(|change| located(ChangeStage::Band, change, passed(change))));
+        changes
+            .extend(outwards.iter().map(|change| located(ChangeStage::Band, change, 1.0 - passed(change))));
         changes.retain(|change| change.share >= LEAST_SHARE);
         let of_band = changes.iter().filter(|change| change.stage == ChangeStage::Band);
         let expected_in_band = of_band.map(LocatedChange::euler_characteristic).sum();
-        let steepest = self.setup.parameters.profile()?.slope(0.0).abs();
-        let weakest = weakest_gradient(&phi, half_width, self.grid())
-            .map(|(position_mm, gradient)| WeakestGradient { position_mm, share: gradient / steepest });
+        let weakest = weakest.map(|(voxel, gradient)| WeakestGradient {
+            position_mm: self.grid().affine().apply(voxel.map(|v| v as f64)),
+            share: gradient / steepest,
+        });
         Some(TopologyExplanation { changes, expected_in_band, weakest })
     }
 }
 
-/// Where in the band the field's gradient, by central differences, is least, and what it is there.
-fn weakest_gradient(phi: &Block<f32>, half_width: f64, grid: &Grid) -> Option<([f64; 3], f64)> {
-    let (region, spacing) = (phi.region(), grid.spacing().mm());
-    let strides = [1, region.extent()[0], region.extent()[0] * region.extent()[1]];
-    let values = phi.values();
-    let squared = |place: usize| -> f64 {
-        let slope = |a: usize| {
-            f64::from(values[place + strides[a]] - values[place - strides[a]]) / (2.0 * spacing[a])
-        };
-        (0..3).map(|a| slope(a).powi(2)).sum()
-    };
-    let inner = region.grown([-1; 3]);
-    let rows = inner.rows().flat_map(|(y, z)| (inner.lower[0]..inner.upper[0]).map(move |x| [x, y, z]));
-    let in_band = rows.filter(|&voxel| f64::from(phi.get(voxel)).abs() < half_width);
-    let slopes = in_band.map(|voxel| (voxel, squared(phi.offset(voxel))));
-    let (voxel, least) = slopes.min_by(|a, b| a.1.total_cmp(&b.1))?;
-    Some((grid.affine().apply(voxel.map(|v| v as f64)), least.sqrt()))
-}
+/// What a flag that tells of a disagreement about the topology ends with where its reasons were not looked for.
+pub const UNEXPLAINED: &str = ". Where was not looked into, for the object is large: ask for an explanation";
+
+/// Flags that tell of a disagreement about the topology.
+const DISAGREEMENTS: [FlagCode; 2] = [FlagCode::EulerNotInteger, FlagCode::EulerDiffersFromVoxels];
 
 impl Measured {
     /// Whether voxels, mesh and band disagree about the topology.
     pub fn topology_disagrees(&self) -> bool {
-        let codes = [FlagCode::EulerNotInteger, FlagCode::EulerDiffersFromVoxels];
-        self.flags.iter().any(|flag| codes.contains(&flag.code))
+        self.flags.iter().any(|flag| DISAGREEMENTS.contains(&flag.code))
+    }
+
+    /// About how many voxels the band has: its area times its thickness.
+    pub fn band_voxels(&self) -> usize {
+        let area = self.blurred.surface_area_mm2.unwrap_or_default();
+        (area * self.parameters.thickness_mm / self.grid.spacing_mm.iter().product::<f64>()) as usize
+    }
+
+    /// Says, in the flags that tell of a disagreement about the topology, that it was not looked for where it changed.
+    pub fn leave_unexplained(&mut self) {
+        for flag in &mut self.flags {
+            if DISAGREEMENTS.contains(&flag.code) {
+                flag.message +=
+                    ". Where was not looked into, for the object is large: ask for an explanation";
+            }
+        }
     }
 
     /// Takes up where topology changed, also in the words of the flags that tell of it.
@@ -215,4 +226,36 @@ fn counted(changes: &[&LocatedChange], finest: f64) -> String {
         format!("{count} {what}{plural} {done} ({the}{:.decimals$} mm wide, at {at})", widest.width_mm)
     };
     kinds.into_iter().map(part).collect::<Vec<_>>().join(", ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Measurement;
+    use crate::phantoms::Phantom;
+
+    /// A hole that the blur closes, where that may be looked into and where it may not.
+    #[test]
+    fn what_is_too_large_is_left_and_said_so() {
+        let mask =
+            Phantom::from_spec("phantom:genus?genus=1&major=3&minor=6").unwrap().labels().unwrap().mask(1);
+        let object = Measurement::default().sigma_mm(5.0).prepare(&mask).unwrap();
+        let mut measured = object.measure();
+        assert!(measured.topology_disagrees());
+        let time = WorkTime::default();
+        let all = object.explain_topology().unwrap();
+        // The band has about as many voxels as is said, and few others differ.
+        let band = measured.band_voxels();
+        assert!(object.explain_topology_of(band / 2, &time).is_none());
+        assert_eq!(object.explain_topology_of(band * 4, &time).unwrap(), all);
+        assert!(time.total().as_nanos() > 0);
+        measured.leave_unexplained();
+        assert!(measured.topology.changes.is_none());
+        assert!(
+            measured
+                .flags
+                .iter()
+                .all(|f| f.message.ends_with(UNEXPLAINED) == DISAGREEMENTS.contains(&f.code))
+        );
+    }
 }

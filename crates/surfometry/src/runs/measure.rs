@@ -1,7 +1,7 @@
 //! Objects to records.
 
 use super::ExplainTopology;
-use super::object::{explain_topology, to_be_explained};
+use super::object::{explain_topology, most_explained};
 use super::reading::Watched;
 use super::{Item, Opened, Plan, Reading, Record, RunError, Task};
 use crate::inputs::open;
@@ -9,6 +9,7 @@ use crate::measurement::{Measured, StageSeconds};
 use crate::volume::LabelGroup;
 use crate::{Control, Event};
 use std::collections::BTreeMap;
+use std::time::Instant;
 
 /// Measures every selected object of an input; a record an object.
 #[derive(Debug, Default)]
@@ -110,13 +111,20 @@ impl MeasureTask {
 
     /// Where voxels, mesh and band disagree, the input is read again to see why.
     fn explain(&self, input: &Opened, records: &mut [Record]) -> Result<(), RunError> {
-        let when = self.plan.explain_topology;
-        if !records.iter().any(|record| to_be_explained(&record.measured, when)) {
-            return Ok(());
-        }
-        let reading = Reading::of(input, &self.plan)?;
-        for (record, object) in records.iter_mut().zip(reading.objects()) {
-            explain_topology(&object?.object, &mut record.measured, when);
+        let mut reading = None;
+        for (number, Record { measured, .. }) in records.iter_mut().enumerate() {
+            let Some(most) = most_explained(measured, self.plan.explain_topology) else { continue };
+            input.control.check()?;
+            let start = Instant::now();
+            let reading = match &reading {
+                Some(reading) => reading,
+                None => reading.insert(Reading::of(input, &self.plan)?),
+            };
+            let objects = reading.objects_at(number, &self.plan);
+            measured.timings.read_again = start.elapsed().as_secs_f64();
+            for object in objects {
+                explain_topology(&object?.object, measured, most);
+            }
         }
         Ok(())
     }

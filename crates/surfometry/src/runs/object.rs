@@ -6,6 +6,7 @@ use crate::inputs::input_title;
 use crate::measurement::{Measured, Object};
 use crate::phantoms::Truth;
 use crate::surface::Surface;
+use crate::tiling::WorkTime;
 use crate::volume::LabelGroup;
 use std::sync::{Arc, OnceLock};
 
@@ -82,7 +83,9 @@ impl InputObject {
     /// Measures it.
     pub fn record(&self) -> Record {
         let mut measured = self.object.measure();
-        explain_topology(&self.object, &mut measured, self.facts.explain);
+        if let Some(most) = most_explained(&mut measured, self.facts.explain) {
+            explain_topology(&self.object, &mut measured, most);
+        }
         measured.flags.splice(0..0, self.facts.flags.iter().cloned());
         Record {
             input: self.facts.input.clone(),
@@ -98,29 +101,36 @@ impl InputObject {
     }
 }
 
-/// Voxels of an object's box up to which a disagreement about its topology is looked into: the whole field is held for
-/// it, half a gigabyte.
-const MOST_EXPLAINED: usize = 1 << 27;
+/// Voxels of the band, and others that the blur puts on the other side, up to which a disagreement about an object's
+/// topology is looked into without being asked. They have their turn one after the other, so that more threads help
+/// little: a second, and 16 bytes a voxel.
+const MOST_EXPLAINED: usize = 1 << 22;
 
-/// Whether it is looked into where an object's topology changes.
-pub(super) fn to_be_explained(measured: &Measured, when: ExplainTopology) -> bool {
-    match when {
+/// Up to how many such voxels it is looked into where an object's topology changes. `None` where it is not; of an object
+/// that is too large for it, the flags say so.
+pub(super) fn most_explained(measured: &mut Measured, when: ExplainTopology) -> Option<usize> {
+    let most = match when {
         // The voxels' topology is that of the whole object, not of the part between the cuts.
-        _ if measured.clip.is_some() => false,
-        ExplainTopology::Never => false,
-        ExplainTopology::Disagreements => {
-            measured.topology_disagrees() && measured.voxels.box_voxels() <= MOST_EXPLAINED
-        }
-        ExplainTopology::Always => true,
+        _ if measured.clip.is_some() || !measured.parameters.embedding.is_blur() => None,
+        ExplainTopology::Never => None,
+        ExplainTopology::Disagreements => measured.topology_disagrees().then_some(MOST_EXPLAINED),
+        ExplainTopology::Always => Some(usize::MAX),
+    }?;
+    if measured.band_voxels() > most {
+        measured.leave_unexplained();
+        return None;
     }
+    Some(most)
 }
 
-/// Says where the topology changed, where that is wanted.
-pub(super) fn explain_topology(object: &Object, measured: &mut Measured, when: ExplainTopology) {
-    let wanted = to_be_explained(measured, when);
-    if let Some(explanation) = wanted.then(|| object.explain_topology()).flatten() {
-        measured.explain(explanation);
+/// Says where the topology changed, or, of an object that is too large for that, that it was not looked into.
+pub(super) fn explain_topology(object: &Object, measured: &mut Measured, most: usize) {
+    let time = WorkTime::default();
+    match object.explain_topology_of(most, &time) {
+        Some(explanation) => measured.explain(explanation),
+        None => measured.leave_unexplained(),
     }
+    measured.timings.explain = time.total().as_secs_f64();
 }
 
 impl InputFacts {

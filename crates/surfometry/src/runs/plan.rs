@@ -33,7 +33,7 @@ pub struct Plan {
 pub enum ExplainTopology {
     /// Never.
     Never,
-    /// Where voxels, mesh and band disagree, unless the object is very large (2^27 voxels in its box).
+    /// Where voxels, mesh and band disagree, unless the object is very large (2^22 voxels in its band).
     #[default]
     Disagreements,
     /// Always.

@@ -84,7 +84,8 @@ impl<'a> Reading<'a> {
         }
     }
 
-    fn objects_at(&self, number: usize, plan: &Plan) -> Vec<Result<InputObject, RunError>> {
+    /// One of them, or its pieces.
+    pub(super) fn objects_at(&self, number: usize, plan: &Plan) -> Vec<Result<InputObject, RunError>> {
         match &self.content {
             Content::Field(field) => vec![self.of_field(field, plan)],
             Content::Probability { image, truth } => {

@@ -9,12 +9,16 @@ mod exact_sum;
 mod index_box;
 pub(crate) mod pairs;
 mod pool;
+mod sparse_field;
+mod work_time;
 
 pub use block::Block;
 pub(crate) use cover::{Cover, Joint};
 pub use exact_sum::ExactSum;
 pub use index_box::IndexBox;
 pub use pool::Pool;
+pub use sparse_field::{SparseField, SparseTile};
+pub use work_time::WorkTime;
 
 /// Voxels of a tile along x, y, z. What a tile must know around it, ten voxels or so on each side, is then a moderate share, and
 /// what is worked on at a time stays in a processor's second cache.

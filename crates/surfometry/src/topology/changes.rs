@@ -1,13 +1,13 @@
 //! Where one object differs from another in topology.
 
-use super::euler::solid_euler_around;
-use super::simple_voxel::is_simple;
+use super::euler_growth::euler_growth;
+use super::local_width::width_around;
+use super::thinning::{Thinned, thinned};
 use super::{ComponentLabels, Connectivity};
-use crate::tiling::IndexBox;
-use crate::volume::{Mask, Spacing};
+use crate::tiling::WorkTime;
+use crate::volume::{Mask, Place};
+use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
-use std::cmp::Ordering;
-use std::collections::{BinaryHeap, HashSet};
 use std::fmt;
 
 /// What happened to an object's topology at a place.
@@ -96,30 +96,56 @@ impl TopologyChange {
 ///
 /// Voxels in which the objects differ are first changed where that is of no consequence (simple points), those of low `rank` first; what is
 /// left over are the middles of the places that matter. Their effects are counted with the components of the states between.
-pub fn topology_changes(before: &Mask, after: &Mask, rank: impl Fn([i64; 3]) -> f64) -> Vec<TopologyChange> {
-    let (mut state, rest) = homotopic_part(before, after, &rank);
+pub fn topology_changes(
+    before: &Mask,
+    after: &Mask,
+    rank: impl Fn([i64; 3]) -> f32 + Sync,
+) -> Vec<TopologyChange> {
+    timed_changes(before, after, rank, &WorkTime::default())
+}
+
+/// The same, with the time that it takes.
+pub(crate) fn timed_changes(
+    before: &Mask,
+    after: &Mask,
+    rank: impl Fn([i64; 3]) -> f32 + Sync,
+    time: &WorkTime,
+) -> Vec<TopologyChange> {
+    let Thinned { state: start, rest } = thinned(before, after, &rank, time);
+    let cores = time.of(|| clusters(rest, &start));
     let (losses, gains): (Vec<_>, Vec<_>) =
-        clusters(&rest, before).into_iter().partition(|core| before.get(core[0]));
+        cores.into_iter().partition(|core| start.get(start.voxel_at(core[0])));
     // Losses let the background grow and gains the object, so that their components only ever join.
-    let start = ComponentLabels::of(&state, Connectivity::Background6);
     let lost = Cores { cores: &losses, gain: false };
-    let lost_euler = lost.apply(&mut state);
-    let between = ComponentLabels::of(&state, Connectivity::Foreground26);
     let gained = Cores { cores: &gains, gain: true };
-    let gained_euler = gained.apply(&mut state);
-    let end = ComponentLabels::of(&state, Connectivity::Background6);
-    let lost_effects = Effect::each(lost.backwards(between.clone()), lost.forwards(start), lost_euler);
-    let gained_effects = Effect::each(gained.forwards(between), gained.backwards(end), gained_euler);
+    let mut between = start.clone();
+    let lost_euler = time.of(|| lost.apply(&mut between));
+    let mut end = between.clone();
+    let gained_euler = time.of(|| gained.apply(&mut end));
+    let (object, background) = (Connectivity::Foreground26, Connectivity::Background6);
+    let ((lost_components, gained_components), (lost_cavities, gained_cavities)) = rayon::join(
+        || time.of(|| (lost.backwards(&between, object), gained.forwards(&between, object))),
+        || {
+            rayon::join(
+                || time.of(|| lost.forwards(&start, background)),
+                || time.of(|| gained.backwards(&end, background)),
+            )
+        },
+    );
+    let lost_effects = Effect::each(lost_components, lost_cavities, lost_euler);
+    let gained_effects = Effect::each(gained_components, gained_cavities, gained_euler);
     let changes = |cores: Cores, effects: Vec<Effect>| -> Vec<TopologyChange> {
-        let change = |(core, effect): (&Vec<[i64; 3]>, Effect)| {
+        let change = |(core, effect): (&Vec<Place>, Effect)| {
             let Effect { components, cavities, euler } = effect;
             let handles = components + cavities - euler;
             let kind = kind(cores.gain, [components, cavities, handles])?;
-            let voxel = core.iter().copied().min_by(|&a, &b| rank(a).total_cmp(&rank(b)))?;
+            let voxels = core.iter().map(|&place| start.voxel_at(place));
+            let voxel = voxels.min_by(|&a, &b| rank(a).total_cmp(&rank(b)))?;
             let width_mm = width_around(before, voxel);
             Some(TopologyChange { kind, components, cavities, handles, voxel, width_mm })
         };
-        cores.cores.iter().zip(effects).filter_map(change).collect()
+        let places = cores.cores.par_iter().zip(effects);
+        places.filter_map(|place| time.of(|| change(place))).collect()
     };
     [changes(lost, lost_effects), changes(gained, gained_effects)].concat()
 }
@@ -141,110 +167,65 @@ impl Effect {
 }
 
 /// Cores that are put on the other side one after the other.
+#[derive(Clone, Copy)]
 struct Cores<'a> {
-    cores: &'a [Vec<[i64; 3]>],
+    cores: &'a [Vec<Place>],
     gain: bool,
 }
 
 impl Cores<'_> {
-    /// Puts all on the other side; by how much the solid's Euler number grows with each. No neighbourhood of 2 x 2 x 2 voxels meets two.
+    /// Puts all on the other side; by how much the solid's Euler number grows with each.
     fn apply(&self, state: &mut Mask) -> Vec<i64> {
-        let apply = |core: &Vec<[i64; 3]>| {
-            let before = solid_euler_around(state, core);
-            for &voxel in core {
-                state.set(voxel, self.gain);
-            }
-            solid_euler_around(state, core) - before
+        let mut change = |&place: &Place| {
+            let growth = euler_growth(state.around(place));
+            state.toggle(place);
+            if self.gain { growth } else { -growth }
         };
-        self.cores.iter().map(apply).collect()
+        self.cores.iter().map(|core| core.iter().map(&mut change).sum()).collect()
     }
 
     /// By how much components grow in number that each core is added to, in order, from what they are before.
-    fn forwards(&self, mut labels: ComponentLabels) -> Vec<i64> {
-        self.cores.iter().map(|core| labels.grow(core)).collect()
+    fn forwards(&self, before: &Mask, connectivity: Connectivity) -> Vec<i64> {
+        self.growth(before, connectivity, self.cores.iter())
     }
 
     /// By how much components grow in number that each core is taken from, in order, from what they are at the end.
-    fn backwards(&self, mut labels: ComponentLabels) -> Vec<i64> {
-        let mut growth: Vec<i64> = self.cores.iter().rev().map(|core| -labels.grow(core)).collect();
+    fn backwards(&self, end: &Mask, connectivity: Connectivity) -> Vec<i64> {
+        let mut growth = self.growth(end, connectivity, self.cores.iter().rev());
+        growth.iter_mut().for_each(|growth| *growth = -*growth);
         growth.reverse();
         growth
     }
-}
 
-/// The object after all changes that are of no consequence, and the voxels that still differ, in order.
-fn homotopic_part(before: &Mask, after: &Mask, rank: &impl Fn([i64; 3]) -> f64) -> (Mask, Vec<[i64; 3]>) {
-    let region = before.bounds().hull(&after.bounds());
-    let (mut state, target) = (before.on_bounds(region), after.on_bounds(region));
-    let mut voxels = state.differences(&target);
-    let differs = |state: &Mask, voxel| state.get(voxel) != target.get(voxel);
-    let mut queued = Mask::cleared(*before.grid(), region);
-    let mut waiting = BinaryHeap::new();
-    let wait = |voxel: [i64; 3], queued: &mut Mask, waiting: &mut BinaryHeap<Waiting>| {
-        queued.set(voxel, true);
-        waiting.push(Waiting { rank: rank(voxel), voxel });
-    };
-    for &voxel in &voxels {
-        wait(voxel, &mut queued, &mut waiting);
-    }
-    while let Some(Waiting { voxel, .. }) = waiting.pop() {
-        queued.set(voxel, false);
-        if !is_simple(&state, voxel) {
-            continue;
+    fn growth<'c>(
+        &self,
+        state: &Mask,
+        connectivity: Connectivity,
+        cores: impl Iterator<Item = &'c Vec<Place>>,
+    ) -> Vec<i64> {
+        if self.cores.is_empty() {
+            return Vec::new();
         }
-        state.set(voxel, !state.get(voxel));
-        for neighbour in Connectivity::Foreground26.neighbours(voxel) {
-            if differs(&state, neighbour) && !queued.get(neighbour) {
-                wait(neighbour, &mut queued, &mut waiting);
-            }
-        }
-    }
-    voxels.retain(|&voxel| differs(&state, voxel));
-    (state, voxels)
-}
-
-/// A voxel in a queue from which the lowest rank comes first, and of equal ranks the first along z, y, x.
-#[derive(Debug, Clone, Copy)]
-struct Waiting {
-    rank: f64,
-    voxel: [i64; 3],
-}
-
-impl Ord for Waiting {
-    fn cmp(&self, other: &Self) -> Ordering {
-        let place = |[x, y, z]: [i64; 3]| [z, y, x];
-        other.rank.total_cmp(&self.rank).then_with(|| place(other.voxel).cmp(&place(self.voxel)))
+        let mut labels = ComponentLabels::of(state, connectivity);
+        let voxels = |core: &Vec<Place>| core.iter().map(|&place| state.voxel_at(place)).collect::<Vec<_>>();
+        cores.map(|core| labels.grow(&mut voxels(core))).collect()
     }
 }
-
-impl PartialOrd for Waiting {
-    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
-        Some(self.cmp(other))
-    }
-}
-
-impl PartialEq for Waiting {
-    fn eq(&self, other: &Self) -> bool {
-        self.cmp(other).is_eq()
-    }
-}
-
-impl Eq for Waiting {}
 
 /// Voxels that touch, of those on one side of an object, in the order of their first ones.
-fn clusters(voxels: &[[i64; 3]], object: &Mask) -> Vec<Vec<[i64; 3]>> {
-    let mut left: HashSet<[i64; 3]> = voxels.iter().copied().collect();
+fn clusters(mut left: Mask, object: &Mask) -> Vec<Vec<Place>> {
     let mut clusters = Vec::new();
-    for &voxel in voxels {
-        if !left.remove(&voxel) {
+    for first in left.places().collect::<Vec<_>>() {
+        if !left.has(first) {
             continue;
         }
-        let side = object.get(voxel);
-        let mut cluster = vec![voxel];
+        left.toggle(first);
+        let mut cluster = vec![first];
         let mut next = 0;
         while next < cluster.len() {
-            for neighbour in Connectivity::Foreground26.neighbours(cluster[next]) {
-                if object.get(neighbour) == side && left.remove(&neighbour) {
+            for neighbour in left.places_around(cluster[next]) {
+                if object.has(neighbour) == object.has(first) {
+                    left.toggle(neighbour);
                     cluster.push(neighbour);
                 }
             }
@@ -275,45 +256,6 @@ fn kind(gain: bool, growth: [i64; 3]) -> Option<ChangeKind> {
     })
 }
 
-/// The largest width at a voxel and its neighbours on the same side: a core that is one voxel wide runs beside the middle as often as in it.
-fn width_around(mask: &Mask, voxel: [i64; 3]) -> f64 {
-    let alike = Connectivity::Foreground26.neighbours(voxel).filter(|&v| mask.get(v) == mask.get(voxel));
-    alike.map(|neighbour| width_at(mask, neighbour)).fold(width_at(mask, voxel), f64::max)
-}
-
-/// Width of the part that a voxel is the middle of, mm: twice the distance to the nearest voxel on the other side, less a voxel.
-fn width_at(mask: &Mask, voxel: [i64; 3]) -> f64 {
-    let spacing = mask.grid().spacing();
-    let side = mask.get(voxel);
-    let mut nearest = f64::INFINITY;
-    let reach = mask.bounds().hull(&IndexBox::voxel(voxel)).extent().into_iter().max().unwrap_or(0) as i64;
-    for steps in 1..=reach {
-        // Nothing beyond the cubes of the steps before is nearer.
-        if nearest <= (2 * steps - 1) as f64 * spacing.smallest() {
-            break;
-        }
-        let shell = IndexBox::voxel(voxel).grown([steps; 3]);
-        for (y, z) in shell.rows() {
-            let at_end = (y - voxel[1]).abs().max((z - voxel[2]).abs()) == steps;
-            let stride = if at_end { 1 } else { 2 * steps as usize };
-            for x in (shell.lower[0]..shell.upper[0]).step_by(stride) {
-                if mask.get([x, y, z]) != side {
-                    nearest = nearest.min(width_between(spacing, voxel, [x, y, z]));
-                }
-            }
-        }
-    }
-    nearest
-}
-
-/// Twice the distance of two voxels' centres, less the spacing in that direction.
-fn width_between(spacing: Spacing, from: [i64; 3], to: [i64; 3]) -> f64 {
-    let norm = |along: [f64; 3]| libm::hypot(libm::hypot(along[0], along[1]), along[2]);
-    let offset: [f64; 3] = std::array::from_fn(|a| (to[a] - from[a]) as f64 * spacing.mm()[a]);
-    let distance = norm(offset);
-    2.0 * distance - norm(std::array::from_fn(|a| offset[a] / distance * spacing.mm()[a]))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -342,8 +284,8 @@ mod tests {
             let (before, after) = (mask(&a), mask(&(0..a.len()).map(mixed).collect::<Vec<_>>()));
             prop_assume!(!before.is_empty() && !after.is_empty());
             let (from, to) = (VoxelTopology::of(&before), VoxelTopology::of(&after));
-            let rank = |[x, y, z]: [i64; 3]| (x * 5 + y * 3 + z * 7 % 11) as f64;
-            let (state, _) = homotopic_part(&before, &after, &rank);
+            let rank = |[x, y, z]: [i64; 3]| (x * 5 + y * 3 + z * 7 % 11) as f32;
+            let state = thinned(&before, &after, &rank, &WorkTime::default()).state;
             prop_assert_eq!(VoxelTopology::of(&state), VoxelTopology { euler_characteristic_6: VoxelTopology::of(&state).euler_characteristic_6, ..from });
             let changes = topology_changes(&before, &after, rank);
             let sum = |growth: fn(&TopologyChange) -> i64| changes.iter().map(growth).sum::<i64>();

@@ -88,45 +88,52 @@ impl ComponentLabels {
         components.into_iter().map(&mut component).collect()
     }
 
-    /// Adds voxels that were not labelled, to which none that was added before is a neighbour; by how much the number of components
-    /// grows.
-    pub(super) fn grow(&mut self, voxels: &[[i64; 3]]) -> i64 {
+    /// Adds voxels of the mask's bounds that were not labelled, to which none that was added before is a neighbour; by how much the number
+    /// of components grows.
+    pub(super) fn grow(&mut self, voxels: &mut [[i64; 3]]) -> i64 {
         let first = self.sets.add(voxels.len());
-        let added: HashMap<[i64; 3], usize> = voxels.iter().copied().zip(first..).collect();
-        let mut touching = Vec::new();
+        voxels.sort_unstable();
         for (voxel, number) in voxels.iter().zip(first..) {
-            for neighbour in self.connectivity.neighbours(*voxel) {
-                if let Some(&other) = added.get(&neighbour) {
-                    touching.push((number, other, false));
-                } else if let Some(other) = self.member_at(neighbour) {
-                    touching.push((number, other, true));
-                }
+            let earlier = self.connectivity.neighbours(*voxel).filter(|neighbour| neighbour < voxel);
+            for other in earlier.filter_map(|neighbour| voxels.binary_search(&neighbour).ok()) {
+                self.sets.join(number, first + other);
             }
         }
-        let distinct = |sets: &mut DisjointSets, members: Vec<usize>| {
-            let mut roots: Vec<usize> = members.into_iter().map(|member| sets.root(member)).collect();
-            roots.sort_unstable();
-            roots.dedup();
-            roots.len() as i64
-        };
-        let labelled: Vec<usize> = touching.iter().filter(|t| t.2).map(|t| t.1).collect();
-        let before = distinct(&mut self.sets, labelled);
-        for &(a, b, _) in &touching {
-            self.sets.join(a, b);
+        let mut touching = Vec::new();
+        for (&voxel, number) in voxels.iter().zip(first..) {
+            self.for_each_beside(voxel, |member| touching.push((number, member)));
         }
-        // What they touch is in one of their sets now.
-        distinct(&mut self.sets, (first..first + voxels.len()).collect()) - before
+        let touched = self.distinct(touching.iter().map(|&(_, member)| member));
+        for (number, member) in touching {
+            self.sets.join(number, member);
+        }
+        self.distinct(first..first + voxels.len()) - touched
     }
 
-    /// A member of the component that a voxel is labelled with.
-    fn member_at(&self, [x, y, z]: [i64; 3]) -> Option<usize> {
-        if !self.region.contains([x, y, z]) {
-            // The rim's first run is the outside's.
-            return (self.connectivity == Connectivity::Background6).then_some(0);
+    /// How many sets some members belong to.
+    fn distinct(&mut self, members: impl Iterator<Item = usize>) -> i64 {
+        let mut roots: Vec<usize> = members.map(|member| self.sets.root(member)).collect();
+        roots.sort_unstable();
+        roots.dedup();
+        roots.len() as i64
+    }
+
+    /// Visits the labelled runs that a voxel touches.
+    fn for_each_beside(&self, [x, y, z]: [i64; 3], mut visit: impl FnMut(usize)) {
+        let all = self.connectivity == Connectivity::Foreground26;
+        for (dy, dz) in (-1..=1).flat_map(|dz| (-1..=1).map(move |dy| (dy, dz))) {
+            if !all && dy * dz != 0 {
+                continue;
+            }
+            let along = i64::from(all || (dy, dz) == (0, 0));
+            let row = self.row(y + dy, z + dz);
+            let runs = &self.runs[row.clone()];
+            let mut place = runs.partition_point(|run| run.1 <= x - along);
+            while place < runs.len() && runs[place].0 <= x + along {
+                visit(row.start + place);
+                place += 1;
+            }
         }
-        let row = self.row(y, z);
-        let place = row.start + self.runs[row.clone()].partition_point(|run| run.1 <= x);
-        (place < row.end && self.runs[place].0 <= x).then_some(place)
     }
 
     /// The runs of a row that was labelled, and the first one's number among the members of the sets.

@@ -3,7 +3,6 @@
 use crate::tiling::IndexBox;
 use crate::volume::Mask;
 use serde::{Deserialize, Serialize};
-use std::collections::HashSet;
 
 /// Euler numbers of the solid in some boxes; those of disjoint boxes add up.
 ///
@@ -59,17 +58,6 @@ fn bits_from(place: usize, word: usize) -> u64 {
         shift @ 0..64 => u64::MAX << shift,
         _ => 0,
     }
-}
-
-/// What the neighbourhoods of 2 x 2 x 2 voxels that hold any of some voxels add to the solid's Euler number (26-connected).
-pub(super) fn solid_euler_around(mask: &Mask, voxels: &[[i64; 3]]) -> i64 {
-    let first = |&[x, y, z]: &[i64; 3]| (0..8).map(move |i| [x - (i & 1), y - (i >> 1 & 1), z - (i >> 2)]);
-    let neighbourhoods: HashSet<[i64; 3]> = voxels.iter().flat_map(first).collect();
-    let sum = |[x, y, z]: [i64; 3]| {
-        let row = |dy: i64, dz: i64| [0, 1].map(|dx| u64::from(mask.get([x + dx, y + dy, z + dz])));
-        -alternating_sum(|a, b| a | b, row(0, 0), row(0, 1), row(1, 0), row(1, 1), u64::MAX)
-    };
-    neighbourhoods.into_iter().map(sum).sum()
 }
 
 /// Voxels - pairs + fours - eights that begin at the voxels of a word that count, of those whose voxels the operation unites. For closed

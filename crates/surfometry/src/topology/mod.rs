@@ -1,18 +1,23 @@
 //! Exact topology of the voxels: Euler numbers, components, cavities, handles; and where two objects differ in it.
 
 mod box_topology;
+mod bricks;
 mod changes;
 mod component_labels;
 mod components;
 mod disjoint_sets;
 mod euler;
+mod euler_growth;
 mod face;
 mod frame;
 mod labelled_box;
+mod local_width;
 mod numbering;
 mod simple_voxel;
+mod thinning;
 
 pub(crate) use box_topology::BoxTopology;
+pub(crate) use changes::timed_changes;
 pub use changes::{ChangeKind, TopologyChange, topology_changes};
 pub use component_labels::ComponentLabels;
 pub use components::Connectivity;

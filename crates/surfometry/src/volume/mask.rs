@@ -1,7 +1,7 @@
 //! One object as bits.
 
 use super::Grid;
-use crate::tiling::{Block, IndexBox};
+use crate::tiling::IndexBox;
 
 const WORD: usize = u64::BITS as usize;
 
@@ -60,14 +60,11 @@ impl Mask {
         Self { grid, bounds, words_a_row, bits: vec![0; words_a_row * ny * nz] }
     }
 
-    /// The voxels of a block whose values are inside, with the block's box as its bounds.
-    pub(crate) fn of_values<T: Copy>(grid: Grid, values: &Block<T>, inside: impl Fn(T) -> bool) -> Self {
-        let region = values.region();
-        let mut mask = Self::cleared(grid, region);
-        for (y, z) in region.rows() {
-            for (word, chunk) in mask.row_mut(y, z).iter_mut().zip(values.row(y, z).chunks(WORD)) {
-                *word = chunk.iter().enumerate().fold(0, |w, (bit, &v)| w | u64::from(inside(v)) << bit);
-            }
+    /// A mask from the words of its rows, by number of the row and of the word in it.
+    pub(crate) fn from_words(grid: Grid, bounds: IndexBox, word: impl Fn(usize, usize) -> u64) -> Self {
+        let mut mask = Self::cleared(grid, bounds);
+        for (number, row) in mask.bits.chunks_mut(mask.words_a_row.max(1)).enumerate() {
+            row.iter_mut().enumerate().for_each(|(n, bits)| *bits = word(number, n));
         }
         mask
     }
@@ -109,15 +106,87 @@ impl Mask {
         ((z - lower[2]) * (upper[1] - lower[1]) + (y - lower[1])) as usize * self.words_a_row
     }
 
-    /// The voxels in which two masks with the same bounds differ, x fastest.
-    pub(crate) fn differences(&self, other: &Self) -> Vec<[i64; 3]> {
-        let mut voxels = Vec::new();
-        for (y, z) in self.bounds.rows() {
-            let words: Vec<u64> = self.row(y, z).iter().zip(other.row(y, z)).map(|(a, b)| a ^ b).collect();
-            let runs = Runs { words: &words, position: 0, offset: self.bounds.lower[0] };
-            voxels.extend(runs.flat_map(|(a, b)| a..b).map(|x| [x, y, z]));
+    /// The bits of a voxel of the bounds and the others of its word: 64 voxels that begin a multiple of 64 from the bounds' lower x.
+    pub(crate) fn word(&self, [x, y, z]: [i64; 3]) -> u64 {
+        self.row(y, z)[(x - self.bounds.lower[0]) as usize / WORD]
+    }
+
+    /// Puts those voxels inside whose bits are set in the same word.
+    pub(crate) fn set_word(&mut self, [x, y, z]: [i64; 3], bits: u64) {
+        let word = (x - self.bounds.lower[0]) as usize / WORD;
+        self.row_mut(y, z)[word] |= bits;
+    }
+
+    /// The places at which this and another mask with the same bounds differ, x fastest.
+    pub(crate) fn differences(&self, other: &Self) -> impl Iterator<Item = Place> {
+        let rows = self.bits.chunks(self.words_a_row.max(1)).zip(other.bits.chunks(self.words_a_row.max(1)));
+        rows.enumerate().flat_map(|(row, (a, b))| {
+            let words = a.iter().zip(b).enumerate();
+            words.flat_map(move |(word, (a, b))| {
+                ones(a ^ b).map(move |bit| Place { row: row as u32, x: (word * WORD) as u32 + bit })
+            })
+        })
+    }
+
+    /// The places of the object's voxels, x fastest.
+    pub(crate) fn places(&self) -> impl Iterator<Item = Place> {
+        let words = self.bits.iter().enumerate().filter(|(_, word)| **word != 0);
+        words.flat_map(|(number, &word)| {
+            let (row, first) = (number / self.words_a_row, number % self.words_a_row * WORD);
+            ones(word).map(move |bit| Place { row: row as u32, x: first as u32 + bit })
+        })
+    }
+
+    /// The voxel at a place.
+    pub(crate) fn voxel_at(&self, Place { row, x }: Place) -> [i64; 3] {
+        let IndexBox { lower, upper } = self.bounds;
+        let rows_a_slice = upper[1] - lower[1];
+        let row = i64::from(row);
+        [lower[0] + i64::from(x), lower[1] + row % rows_a_slice, lower[2] + row / rows_a_slice]
+    }
+
+    /// The 27 voxels around a place that has neighbours within the bounds on all sides, a bit each, x fastest.
+    pub(crate) fn around(&self, Place { row, x }: Place) -> u32 {
+        let rows_a_slice = self.bounds.extent()[1];
+        let (word, shift) = ((x as usize - 1) / WORD, (x as usize - 1) % WORD);
+        let first = (row as usize - rows_a_slice - 1) * self.words_a_row + word;
+        let mut around = 0;
+        for dz in 0..3 {
+            for dy in 0..3 {
+                let start = first + (dz * rows_a_slice + dy) * self.words_a_row;
+                let mut bits = self.bits[start] >> shift;
+                if shift > WORD - 3 {
+                    bits |= self.bits[start + 1] << (WORD - shift);
+                }
+                around |= (bits as u32 & 7) << (3 * (3 * dz + dy));
+            }
         }
-        voxels
+        around
+    }
+
+    /// The places of the object's voxels among the 27 around one that has neighbours within the bounds on all sides, x fastest.
+    pub(crate) fn places_around(&self, place: Place) -> impl Iterator<Item = Place> + use<> {
+        self.places_among(place, self.around(place))
+    }
+
+    /// The places of some of the 27 voxels around one.
+    pub(crate) fn places_among(&self, place: Place, around: u32) -> impl Iterator<Item = Place> + use<> {
+        let rows_a_slice = self.bounds.extent()[1] as u32;
+        let first = Place { row: place.row - rows_a_slice - 1, x: place.x - 1 };
+        ones(u64::from(around)).map(move |bit| Place {
+            row: first.row + bit / 9 * rows_a_slice + bit / 3 % 3,
+            x: first.x + bit % 3,
+        })
+    }
+
+    /// Whether the voxel at a place is inside.
+    pub(crate) fn has(&self, Place { row, x }: Place) -> bool {
+        self.bits[row as usize * self.words_a_row + x as usize / WORD] >> (x as usize % WORD) & 1 == 1
+    }
+
+    /// Puts the voxel at a place on the other side.
+    pub(crate) fn toggle(&mut self, Place { row, x }: Place) {
+        self.bits[row as usize * self.words_a_row + x as usize / WORD] ^= 1 << (x as usize % WORD);
     }
 
     /// The grid of the image that the object lies in.
@@ -164,6 +233,17 @@ impl Mask {
         Runs { words: self.row(y, z), position: 0, offset: self.bounds.lower[0] }
     }
 
+    /// How far from x the nearest voxel of a row lies that is inside, or outside; `None` where there is none.
+    pub(crate) fn nearest_in_row(&self, [x, y, z]: [i64; 3], inside: bool) -> Option<i64> {
+        let words = self.row(y, z);
+        let (x, bits) = (x - self.bounds.lower[0], (words.len() * WORD) as i64);
+        // Beyond its bits a row goes on outside.
+        let above = first_bit(words, x.max(0), inside).or((!inside).then_some(x.max(bits)));
+        let below = last_bit(words, x.min(bits - 1), inside).or((!inside).then_some(x.min(-1)));
+        let distances = [above.map(|above| above - x), below.map(|below| x - below)];
+        distances.into_iter().flatten().min()
+    }
+
     /// The same where they overlap x in [from, to), cut off there.
     pub(crate) fn runs_within(
         &self,
@@ -172,7 +252,7 @@ impl Mask {
         (from, to): (i64, i64),
     ) -> impl Iterator<Item = (i64, i64)> + '_ {
         let offset = self.bounds.lower[0];
-        let runs = Runs { words: self.row(y, z), position: (from - offset).max(0) as usize, offset };
+        let runs = Runs { words: self.row(y, z), position: (from - offset).max(0), offset };
         runs.take_while(move |run| run.0 < to).map(move |(a, b)| (a, b.min(to)))
     }
 
@@ -199,6 +279,50 @@ impl Mask {
     }
 }
 
+/// Where a voxel lies in the bounds of a mask: the number of its row, y fastest, and how far along it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub(crate) struct Place {
+    pub(crate) row: u32,
+    pub(crate) x: u32,
+}
+
+/// Numbers of the bits that are set, ascending.
+pub(crate) fn ones(mut word: u64) -> impl Iterator<Item = u32> {
+    std::iter::from_fn(move || {
+        let bit = (word != 0).then(|| word.trailing_zeros())?;
+        word &= word - 1;
+        Some(bit)
+    })
+}
+
+/// The first bit from a position on that has a value.
+fn first_bit(words: &[u64], position: i64, value: bool) -> Option<i64> {
+    let flip = if value { 0 } else { u64::MAX };
+    let start = position as usize / WORD;
+    let mut keep = u64::MAX << (position as usize % WORD);
+    for (number, word) in words.iter().enumerate().skip(start) {
+        let word = (word ^ flip) & std::mem::replace(&mut keep, u64::MAX);
+        if word != 0 {
+            return Some((number * WORD) as i64 + i64::from(word.trailing_zeros()));
+        }
+    }
+    None
+}
+
+/// The last bit up to a position, which may be negative, that has a value.
+fn last_bit(words: &[u64], position: i64, value: bool) -> Option<i64> {
+    let flip = if value { 0 } else { u64::MAX };
+    let end = usize::try_from(position).ok()?;
+    let mut keep = u64::MAX >> (WORD - 1 - end % WORD);
+    for (number, word) in words.iter().enumerate().take(end / WORD + 1).rev() {
+        let word = (word ^ flip) & std::mem::replace(&mut keep, u64::MAX);
+        if word != 0 {
+            return Some((number * WORD) as i64 + i64::from(word.ilog2()));
+        }
+    }
+    None
+}
+
 /// Sets the bits from `start` up to, not including, `end`, of which there is at least one.
 fn set_bits(words: &mut [u64], start: usize, end: usize) {
     let (first, last) = (start / WORD, (end - 1) / WORD);
@@ -217,39 +341,17 @@ fn set_bits(words: &mut [u64], start: usize, end: usize) {
 #[derive(Debug, Clone)]
 pub(crate) struct Runs<'a> {
     words: &'a [u64],
-    position: usize,
+    position: i64,
     offset: i64,
-}
-
-impl Runs<'_> {
-    /// First position from `self.position` on whose bit equals `value`; the row's length if none.
-    fn first_bit(&self, value: bool) -> usize {
-        let flip = if value { 0 } else { u64::MAX };
-        let mut index = self.position / WORD;
-        let mut shift = self.position % WORD;
-        while index < self.words.len() {
-            let word = (self.words[index] ^ flip) >> shift;
-            if word != 0 {
-                return index * WORD + shift + word.trailing_zeros() as usize;
-            }
-            index += 1;
-            shift = 0;
-        }
-        self.words.len() * WORD
-    }
 }
 
 impl Iterator for Runs<'_> {
     type Item = (i64, i64);
 
     fn next(&mut self) -> Option<Self::Item> {
-        let start = self.first_bit(true);
-        if start == self.words.len() * WORD {
-            return None;
-        }
-        self.position = start;
-        self.position = self.first_bit(false);
-        Some((self.offset + start as i64, self.offset + self.position as i64))
+        let start = first_bit(self.words, self.position, true)?;
+        self.position = first_bit(self.words, start, false).unwrap_or((self.words.len() * WORD) as i64);
+        Some((self.offset + start, self.offset + self.position))
     }
 }
 
@@ -277,6 +379,20 @@ mod tests {
             assert_eq!(within.collect::<Vec<_>>(), expected.collect::<Vec<_>>());
         }
         assert_eq!(mask.voxels() as usize, seen.iter().filter(|&&v| v).count());
+    }
+
+    #[test]
+    fn neighbours_are_gathered_across_words() {
+        let wanted = |[x, y, z]: [usize; 3]| (x * 7 + y * 5 + z * 3 + x * y * z) % 4 < 2;
+        let mask = mask([140, 5, 4], wanted).on_bounds(IndexBox::new([-1; 3], [141, 6, 5]));
+        for place in mask.places() {
+            let [x, y, z] = mask.voxel_at(place);
+            let at = |bit: i64| [x + bit % 3 - 1, y + bit / 3 % 3 - 1, z + bit / 9 - 1];
+            let bits = (0..27).fold(0, |bits, bit| bits | u32::from(mask.get(at(bit))) << bit);
+            assert_eq!(mask.around(place), bits);
+            let around: Vec<_> = mask.places_around(place).map(|place| mask.voxel_at(place)).collect();
+            assert_eq!(around, (0..27).map(at).filter(|&voxel| mask.get(voxel)).collect::<Vec<_>>());
+        }
     }
 
     #[test]

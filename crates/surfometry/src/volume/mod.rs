@@ -24,6 +24,7 @@ pub(crate) use label_runs::LabelRuns;
 pub(crate) use labels::RunEncoder;
 pub use labels::{LabelImage, LabelSummary};
 pub use mask::Mask;
+pub(crate) use mask::{Place, ones};
 pub use probability::ProbabilityImage;
 pub(crate) use samples::collected;
 pub use samples::{Samples, Scalar, ScalarType};
