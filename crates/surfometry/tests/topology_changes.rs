@@ -118,6 +118,24 @@ fn struts_plates_and_specks_that_the_blur_takes_away_are_found() {
     assert_eq!(lost.voxel, [51, 21, 21]);
 }
 
+/// The same places in the same order, and the same flattest place, on any number of threads: also where the object spans several tiles.
+#[test]
+fn places_do_not_depend_on_threads() {
+    let grid = Grid::axis_aligned([150, 60, 60], [1.0; 3]).unwrap();
+    let wave = |v: usize, step: f64| (v as f64 * step).sin();
+    let mask = Mask::from_predicate(grid, |[x, y, z]| {
+        wave(x, 0.61) + wave(y, 0.83) + wave(z, 0.72) + wave(x * y + 3 * z, 1.3) > 1.1
+    });
+    let object = Measurement::default().prepare(&mask).unwrap();
+    let on = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| object.explain_topology().unwrap())
+    };
+    let found = on(1);
+    assert!(found.changes.len() > 100 && found.weakest.is_some());
+    assert_eq!(on(3), found);
+}
+
 #[test]
 fn nothing_is_found_where_nothing_changes() {
     let (measured, changes) =

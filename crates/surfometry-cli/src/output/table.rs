@@ -4,7 +4,7 @@ use super::TableStyle;
 use comfy_table::{CellAlignment, Table, presets};
 use std::fmt::Write;
 use surfometry::accuracy::{CompensatedIntegrals, CompensationTerms, Flag, FlagCode};
-use surfometry::measurement::{ChangeStage, DescribedSurface, EmbeddingKind, SurfaceValues};
+use surfometry::measurement::{ChangeStage, DescribedSurface, EmbeddingKind, SurfaceValues, UNEXPLAINED};
 use surfometry::runs::Record;
 
 /// A plain table with columns of numbers.
@@ -207,7 +207,9 @@ pub(crate) fn flags_text(records: &[&Record]) -> String {
             if records.len() == 1 { String::new() } else { format!(" (label {})", shown_labels(&raised)) };
         let same = raised.iter().all(|(_, f)| f.message == raised[0].1.message);
         let others = if same { "" } else { "for the first: " };
-        writeln!(text, "  ! {code}{about}: {others}{}", raised[0].1.message).expect("writing to a string");
+        let message = &raised[0].1.message;
+        let how = if message.ends_with(UNEXPLAINED) { " (--explain)" } else { "" };
+        writeln!(text, "  ! {code}{about}: {others}{message}{how}").expect("writing to a string");
     }
     text
 }

@@ -117,7 +117,7 @@ impl Object {
                 rayon::join(
                     || timed_changes(&surface, &inner, from_surface, time),
                     // From far levels to 0: what is deepest on its new side first.
-                    || timed_changes(self.mask(), &surface, |voxel| -from_surface(voxel), time),
+                    || timed_changes(&self.mask, &surface, |voxel| -from_surface(voxel), time),
                 )
             },
         );
@@ -139,6 +139,9 @@ impl Object {
         Some(TopologyExplanation { changes, expected_in_band, weakest })
     }
 }
+
+/// What a flag that tells of a disagreement about the topology ends with where its reasons were not looked for.
+pub const UNEXPLAINED: &str = ". Where was not looked into, for the object is large: ask for an explanation";
 
 /// Flags that tell of a disagreement about the topology.
 const DISAGREEMENTS: [FlagCode; 2] = [FlagCode::EulerNotInteger, FlagCode::EulerDiffersFromVoxels];
@@ -223,4 +226,36 @@ fn counted(changes: &[&LocatedChange], finest: f64) -> String {
         format!("{count} {what}{plural} {done} ({the}{:.decimals$} mm wide, at {at})", widest.width_mm)
     };
     kinds.into_iter().map(part).collect::<Vec<_>>().join(", ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Measurement;
+    use crate::phantoms::Phantom;
+
+    /// A hole that the blur closes, where that may be looked into and where it may not.
+    #[test]
+    fn what_is_too_large_is_left_and_said_so() {
+        let mask =
+            Phantom::from_spec("phantom:genus?genus=1&major=3&minor=6").unwrap().labels().unwrap().mask(1);
+        let object = Measurement::default().sigma_mm(5.0).prepare(&mask).unwrap();
+        let mut measured = object.measure();
+        assert!(measured.topology_disagrees());
+        let time = WorkTime::default();
+        let all = object.explain_topology().unwrap();
+        // The band has about as many voxels as is said, and few others differ.
+        let band = measured.band_voxels();
+        assert!(object.explain_topology_of(band / 2, &time).is_none());
+        assert_eq!(object.explain_topology_of(band * 4, &time).unwrap(), all);
+        assert!(time.total().as_nanos() > 0);
+        measured.leave_unexplained();
+        assert!(measured.topology.changes.is_none());
+        assert!(
+            measured
+                .flags
+                .iter()
+                .all(|f| f.message.ends_with(UNEXPLAINED) == DISAGREEMENTS.contains(&f.code))
+        );
+    }
 }

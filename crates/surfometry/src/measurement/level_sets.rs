@@ -47,7 +47,7 @@ impl LevelSets {
         let solids = || Mask::cleared(*object.grid(), region);
         let walk = Walk {
             object,
-            mask: time.of(|| object.mask().on_bounds(region)),
+            mask: time.of(|| object.mask.on_bounds(region)),
             limits,
             half_width,
             solids: Mutex::new([solids(), solids(), solids()]),

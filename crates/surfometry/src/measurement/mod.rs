@@ -19,7 +19,7 @@ mod voxels;
 
 pub use boxes::{BoxShare, DecodeError, MergeError, PartialMeasurement};
 pub use clip::{Clip, ClipSummary};
-pub use explanation::{ChangeStage, LocatedChange, TopologyExplanation, WeakestGradient};
+pub use explanation::{ChangeStage, LocatedChange, TopologyExplanation, UNEXPLAINED, WeakestGradient};
 pub use local_curvature::CurvatureScale;
 pub use object::Object;
 pub use parameters::{Derivatives, EmbeddingKind, MeasureError, Parameters};

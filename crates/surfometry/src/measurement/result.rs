@@ -181,6 +181,10 @@ pub struct StageSeconds {
     pub surface: f64,
     /// Euler numbers, components, cavities.
     pub topology: f64,
+    /// Having the object as a whole, where that was not needed before, to look into its topology.
+    pub read_again: f64,
+    /// Finding out where topology changes.
+    pub explain: f64,
     /// From the decoded labels to all integrals, on the clock: a record's `seconds`.
     pub integrals: f64,
     /// Where topology changes, where that was looked into.
@@ -189,13 +193,14 @@ pub struct StageSeconds {
 
 impl StageSeconds {
     /// The stages by their names, in their order.
-    pub fn named(&self) -> [(&'static str, f64); 6] {
+    pub fn named(&self) -> [(&'static str, f64); 7] {
         [
             ("embed", self.embed),
             ("derive", self.derive),
             ("integrate", self.integrate),
             ("topology", self.topology),
             ("surface", self.surface),
+            ("read again", self.read_again),
             ("explain", self.explain),
         ]
     }
@@ -209,6 +214,8 @@ impl StageSeconds {
             integrate: self.integrate + other.integrate,
             surface: self.surface + other.surface,
             topology: self.topology + other.topology,
+            read_again: self.read_again + other.read_again,
+            explain: self.explain + other.explain,
             integrals: self.integrals + other.integrals,
             explain: self.explain + other.explain,
         }

@@ -382,7 +382,7 @@ impl Totals {
             surface: times.surface.as_secs_f64(),
             topology: self.topology_time.as_secs_f64(),
             integrals: self.integrated.as_secs_f64(),
-            explain: 0.0,
+            ..StageSeconds::default()
         }
     }
 }

@@ -111,30 +111,22 @@ impl MeasureTask {
         Ok(())
     }
 
-    /// Where voxels, mesh and band disagree, the input is read again to see why; how long that took, s.
-    fn explain(&self, input: &Opened, records: &mut [Record]) -> Result<f64, RunError> {
-        let when = self.plan.explain_topology;
-        let wanted = |measured: &mut Measured| {
-            let most = most_explained(measured, when)?;
-            if measured.band_voxels() > most {
-                measured.leave_unexplained();
-                return None;
-            }
-            Some(most)
-        };
-        let wanted: Vec<Option<usize>> = records.iter_mut().map(|r| wanted(&mut r.measured)).collect();
-        if wanted.iter().all(Option::is_none) {
-            return Ok(0.0);
-        }
-        let start = Instant::now();
-        let reading = Reading::of(input, &self.plan)?;
-        let again = start.elapsed().as_secs_f64();
-        for (number, most) in wanted.into_iter().enumerate() {
-            let Some(most) = most else { continue };
-            for object in reading.objects_at(number, &self.plan) {
-                explain_topology(&object?.object, &mut records[number].measured, most);
-            }
+    /// Where voxels, mesh and band disagree, the input is read again to see why.
+    fn explain(&self, input: &Opened, records: &mut [Record]) -> Result<(), RunError> {
+        let mut reading = None;
+        for (number, Record { measured, .. }) in records.iter_mut().enumerate() {
+            let Some(most) = most_explained(measured, self.plan.explain_topology) else { continue };
             input.control.check()?;
+            let start = Instant::now();
+            let reading = match &reading {
+                Some(reading) => reading,
+                None => reading.insert(Reading::of(input, &self.plan)?),
+            };
+            let objects = reading.objects_at(number, &self.plan);
+            measured.timings.read_again = start.elapsed().as_secs_f64();
+            for object in objects {
+                explain_topology(&object?.object, measured, most);
+            }
         }
         Ok(again)
     }

@@ -83,7 +83,7 @@ impl InputObject {
     /// Measures it.
     pub fn record(&self) -> Record {
         let mut measured = self.object.measure();
-        if let Some(most) = most_explained(&measured, self.facts.explain) {
+        if let Some(most) = most_explained(&mut measured, self.facts.explain) {
             explain_topology(&self.object, &mut measured, most);
         }
         measured.flags.splice(0..0, self.facts.flags.iter().cloned());
@@ -106,19 +106,24 @@ impl InputObject {
 /// little: a second, and 16 bytes a voxel.
 const MOST_EXPLAINED: usize = 1 << 22;
 
-/// Up to how many such voxels it is looked into where an object's topology changes; `None` where it is not.
-pub(super) fn most_explained(measured: &Measured, when: ExplainTopology) -> Option<usize> {
-    // The voxels' topology is that of the whole object, not of the part between the cuts.
-    let comparable = measured.parameters.embedding.is_blur() && measured.clip.is_none();
-    match when {
-        _ if !comparable => None,
+/// Up to how many such voxels it is looked into where an object's topology changes. `None` where it is not; of an object
+/// that is too large for it, the flags say so.
+pub(super) fn most_explained(measured: &mut Measured, when: ExplainTopology) -> Option<usize> {
+    let most = match when {
+        // The voxels' topology is that of the whole object, not of the part between the cuts.
+        _ if measured.clip.is_some() || !measured.parameters.embedding.is_blur() => None,
         ExplainTopology::Never => None,
         ExplainTopology::Disagreements => measured.topology_disagrees().then_some(MOST_EXPLAINED),
         ExplainTopology::Always => Some(usize::MAX),
+    }?;
+    if measured.band_voxels() > most {
+        measured.leave_unexplained();
+        return None;
     }
+    Some(most)
 }
 
-/// Says where the topology changed, or, of an object that is too large for that, that it was not looked for.
+/// Says where the topology changed, or, of an object that is too large for that, that it was not looked into.
 pub(super) fn explain_topology(object: &Object, measured: &mut Measured, most: usize) {
     let time = WorkTime::default();
     match object.explain_topology_of(most, &time) {

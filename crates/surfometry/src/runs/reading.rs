@@ -84,7 +84,7 @@ impl<'a> Reading<'a> {
         }
     }
 
-    /// Those of one label, or union of labels, by its place among the selected ones.
+    /// One of them, or its pieces.
     pub(super) fn objects_at(&self, number: usize, plan: &Plan) -> Vec<Result<InputObject, RunError>> {
         match &self.content {
             Content::Field(field) => vec![self.of_field(field, plan)],

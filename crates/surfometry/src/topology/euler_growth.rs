@@ -43,3 +43,28 @@ pub(super) fn euler_growth(around: u32) -> i64 {
     // A cell is new where none of the voxels that share it is there.
     CELLS.iter().filter(|(voxels, _)| around & voxels == 0).map(|(_, sign)| sign).sum::<i64>() - 1
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::topology::euler::EulerNumbers;
+    use crate::volume::{Grid, Mask};
+    use proptest::prelude::*;
+
+    proptest! {
+        /// The Euler numbers of 3 x 3 x 3 voxels with the middle and without.
+        #[test]
+        fn agrees_with_counting_twice(around in 0..1u32 << 27) {
+            let euler = |bits: u32| {
+                let grid = Grid::axis_aligned([3; 3], [1.0; 3]).unwrap();
+                let mask = Mask::from_predicate(grid, |[x, y, z]| bits >> (9 * z + 3 * y + x) & 1 == 1);
+                let mut numbers = EulerNumbers::default();
+                numbers.add(&mask, &grid.index_box().grown([1; 3]));
+                numbers.foreground_26
+            };
+            let middle = 1 << 13;
+            let growth = euler(around | middle) - euler(around & !middle);
+            prop_assert_eq!(euler_growth(around & !middle), growth);
+        }
+    }
+}

@@ -382,6 +382,20 @@ mod tests {
     }
 
     #[test]
+    fn neighbours_are_gathered_across_words() {
+        let wanted = |[x, y, z]: [usize; 3]| (x * 7 + y * 5 + z * 3 + x * y * z) % 4 < 2;
+        let mask = mask([140, 5, 4], wanted).on_bounds(IndexBox::new([-1; 3], [141, 6, 5]));
+        for place in mask.places() {
+            let [x, y, z] = mask.voxel_at(place);
+            let at = |bit: i64| [x + bit % 3 - 1, y + bit / 3 % 3 - 1, z + bit / 9 - 1];
+            let bits = (0..27).fold(0, |bits, bit| bits | u32::from(mask.get(at(bit))) << bit);
+            assert_eq!(mask.around(place), bits);
+            let around: Vec<_> = mask.places_around(place).map(|place| mask.voxel_at(place)).collect();
+            assert_eq!(around, (0..27).map(at).filter(|&voxel| mask.get(voxel)).collect::<Vec<_>>());
+        }
+    }
+
+    #[test]
     fn bounds_are_tight_and_uniformity_is_exact() {
         let mask = mask([100, 9, 9], |[x, y, z]| {
             (10..90).contains(&x) && (2..7).contains(&y) && (2..7).contains(&z)
