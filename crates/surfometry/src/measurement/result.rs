@@ -187,8 +187,6 @@ pub struct StageSeconds {
     pub explain: f64,
     /// From the decoded labels to all integrals, on the clock: a record's `seconds`.
     pub integrals: f64,
-    /// Where topology changes, where that was looked into.
-    pub explain: f64,
 }
 
 impl StageSeconds {
@@ -217,7 +215,6 @@ impl StageSeconds {
             read_again: self.read_again + other.read_again,
             explain: self.explain + other.explain,
             integrals: self.integrals + other.integrals,
-            explain: self.explain + other.explain,
         }
     }
 }

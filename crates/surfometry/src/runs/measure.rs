@@ -67,7 +67,7 @@ impl MeasureTask {
                 pictures.draw(input, &object, out);
             }
         }
-        self.tell_timings(input, [read, 0.0, 0.0], &stages);
+        self.tell_timings(input, [read, 0.0], &stages);
         Ok(())
     }
 
@@ -103,10 +103,10 @@ impl MeasureTask {
             }
         };
         let mut records: Vec<Record> = streamed.results.into_iter().map(record).collect();
-        let again = self.explain(input, &mut records)?;
+        self.explain(input, &mut records)?;
         let stages =
             records.iter().fold(StageSeconds::default(), |sum, record| sum.plus(&record.measured.timings));
-        self.tell_timings(input, [file, read - file, again], &stages);
+        self.tell_timings(input, [file, read - file], &stages);
         records.into_iter().for_each(|record| out(Item::Row(record)));
         Ok(())
     }
@@ -128,16 +128,14 @@ impl MeasureTask {
                 explain_topology(&object?.object, measured, most);
             }
         }
-        Ok(again)
+        Ok(())
     }
 
-    fn tell_timings(&self, input: &Opened, [read, decode, again]: [f64; 3], stages: &StageSeconds) {
+    fn tell_timings(&self, input: &Opened, [read, decode]: [f64; 2], stages: &StageSeconds) {
         if !self.timings {
             return;
         }
-        let named = stages.named();
-        let stages = [("read", read), ("decode", decode), ("read again", again)];
-        let stages = stages.into_iter().chain(named);
+        let stages = [("read", read), ("decode", decode)].into_iter().chain(stages.named());
         let stages: Vec<String> = stages.map(|(name, seconds)| format!("{name} {seconds:.3}")).collect();
         let text = format!("seconds: {}", stages.join(", "));
         input.control.tell(&Event::Note { input: input.name, text: &text });
