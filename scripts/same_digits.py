@@ -30,6 +30,7 @@ SHAPES = [
 SETTINGS = [[], ["--paper"], ["--embedding", "corrected", "--sigma", "3"], ["--embedding", "distance"],
             ["--derivatives", "gaussian", "--quadrature", "simpson"], ["--clip", "exclude"], ["--per-component"],
             ["--level", "0.4", "--thickness", "2.5"], ["--explain"]]
+NUMBERS = [0]
 TIMES = {"seconds", "read_seconds", "version", "schema"}
 
 
@@ -70,15 +71,17 @@ def differences(old, new, path=""):
             yield f"{path}: {len(old)} and {len(new)} entries"
         for n, (a, b) in enumerate(zip(old, new)):
             yield from differences(a, b, f"{path}[{n}]")
-    elif old != new:
-        yield f"{path}: {old!r} and {new!r}"
+    else:
+        NUMBERS[0] += isinstance(old, (int, float))
+        if old != new:
+            yield f"{path}: {old!r} and {new!r}"
 
 
 def compared(title, old, new, told):
     found = list(differences(old, new))
     told[0] += 1
     for line in found[:8]:
-        print(f"{title}: {line}")
+        print(f"{title}: {line}", flush=True)
     told[1] += bool(found)
 
 
@@ -123,7 +126,7 @@ def main():
             compared(f"map {name}", *found, told)
         before, after = (json.loads(run(program, "info", name, "--json").stdout or "[]") for program in (old, new))
         compared(f"info {name}", before, after, told)
-    print(f"{told[0]} comparisons, {told[1]} with differences")
+    print(f"{told[0]} comparisons of {NUMBERS[0]} numbers, {told[1]} with differences")
     sys.exit(bool(told[1]))
 
 
