@@ -37,7 +37,8 @@ struct Walk<'a> {
 type TileFound = (SparseTile, Option<(f64, [i64; 3])>);
 
 impl LevelSets {
-    /// Of an object whose field is a blur; `None` where more than so many of the field's values would have to be kept. In parallel over tiles.
+    /// Of an object whose field is a blur; `None` where more than so many of the field's values would have to be kept, or it
+    /// was stopped. In parallel over tiles.
     pub(super) fn of(object: &Object, most: usize, time: &WorkTime) -> Option<Self> {
         let scheme = object.scheme()?;
         let half_width = object.delta().half_width();
@@ -57,7 +58,7 @@ impl LevelSets {
         let tiles = limits.tiles(TILE);
         let found = tiles.par_iter().map(|tile| time.of(|| with_scheme!(&scheme, s => walk.tile(s, tile))));
         let found: Vec<TileFound> = found.collect();
-        if walk.kept.into_inner() > most {
+        if walk.is_over() {
             return None;
         }
         let (tiles, weakest): (Vec<_>, Vec<_>) = found.into_iter().unzip();
@@ -69,8 +70,13 @@ impl LevelSets {
 }
 
 impl Walk<'_> {
+    /// Whether too much would have to be kept, or nobody wants to know any more.
+    fn is_over(&self) -> bool {
+        self.kept.load(Ordering::Relaxed) > self.most || self.object.setup.control.is_stopped()
+    }
+
     fn tile<D: Differentiation>(&self, scheme: &D, tile: &IndexBox) -> TileFound {
-        if self.kept.load(Ordering::Relaxed) > self.most {
+        if self.is_over() {
             return (SparseTile::new(tile), None);
         }
         match scheme.tile_field(Vec::new(), tile, self.half_width) {

@@ -116,7 +116,6 @@ impl MeasureTask {
         let mut reading = None;
         for (number, Record { measured, .. }) in records.iter_mut().enumerate() {
             let Some(most) = most_explained(measured, self.plan.explain_topology) else { continue };
-            input.control.check()?;
             let start = Instant::now();
             let reading = match &reading {
                 Some(reading) => reading,
@@ -127,6 +126,7 @@ impl MeasureTask {
             for object in objects {
                 explain_topology(&object?.object, measured, most);
             }
+            input.control.check()?;
         }
         Ok(())
     }
