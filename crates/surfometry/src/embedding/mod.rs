@@ -43,7 +43,7 @@ use crate::tiling::{Block, IndexBox};
 ///
 /// // phi on a box of voxels, which may reach beyond the image: negative inside.
 /// let phi = embedding.evaluate(&IndexBox::new([10, 15, 15], [40, 16, 16]), 0.5);
-/// assert!(phi.get([15, 15, 15]) < -0.49 && phi.get([35, 15, 15]) == 0.5);
+/// assert!(phi.get([15, 15, 15]) < -0.49 && phi.get([38, 15, 15]) == 0.5);
 ///
 /// // The field and its derivatives at any points, in fractional voxel indices.
 /// let scheme = GaussianDerivatives::new(embedding);
