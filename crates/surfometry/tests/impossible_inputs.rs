@@ -167,7 +167,7 @@ fn fields_of_any_size_or_a_refusal() {
         FieldImage::new(grid, FieldValues::F64(values))
     };
     let area = |scale: f64| {
-        let measured = surfometry::Measurement::default().thickness_mm(2.5).run_field(&field(scale).unwrap());
+        let measured = surfometry::Measurement::default().thickness_mm(2.5).run_field(field(scale).unwrap());
         measured.unwrap().blurred.surface_area_mm2.unwrap()
     };
     let one = area(1.0);

@@ -28,7 +28,9 @@ fn damaged_streams_are_refused() {
 #[cfg_attr(not(shared_data), ignore = "../shared/data is absent")]
 fn an_unknown_header_is_told() {
     let input = fault("io/B3_raw_512_bytes_too_long.mhd");
-    let source = surfometry::inputs::open(input.to_str().unwrap(), &Default::default()).unwrap();
+    let source =
+        surfometry::inputs::open(input.to_str().unwrap(), &surfometry::inputs::OpenOptions::default())
+            .unwrap();
     let flags = source.flags();
     assert!(flags[0].message.contains("512 bytes more"), "{flags:?}");
 }
