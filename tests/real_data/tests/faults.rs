@@ -1,6 +1,6 @@
 //! Small files that earlier versions got wrong; tests beside the code make others of each kind.
 
-use surfometry::io::read_labels;
+use surfometry::io::{ReadOptions, read_labels};
 use surfometry_real_data::fault;
 
 fn refusal(name: &str) -> String {
@@ -28,7 +28,9 @@ fn damaged_streams_are_refused() {
 #[cfg_attr(not(shared_data), ignore = "../shared/data is absent")]
 fn an_unknown_header_is_told() {
     let input = fault("io/B3_raw_512_bytes_too_long.mhd");
-    let source = surfometry::inputs::open(input.to_str().unwrap(), &Default::default()).unwrap();
+    let source =
+        surfometry::inputs::open(input.to_str().unwrap(), &surfometry::inputs::OpenOptions::default())
+            .unwrap();
     let flags = source.flags();
     assert!(flags[0].message.contains("512 bytes more"), "{flags:?}");
 }
@@ -40,4 +42,27 @@ fn spacings_that_no_voxel_has_are_refused() {
         let message = refusal(&format!("reliability/{name}"));
         assert!(message.contains("give the right spacing"), "{name}: {message}");
     }
+}
+
+#[test]
+#[cfg_attr(not(shared_data), ignore = "../shared/data is absent")]
+fn headers_are_read_as_metaio_does() {
+    let doubled = read_labels(fault("reliability/transform_matrix_doubled.mha")).unwrap();
+    assert_eq!(doubled.grid().spacing().mm(), [0.8, 0.9, 1.1]);
+    let quaternion = read_labels(fault("io/C1_quaternion_0.71.nii.gz")).unwrap();
+    for (found, stated) in quaternion.grid().spacing().mm().iter().zip([0.8, 1.0, 1.5]) {
+        assert!((found / stated - 1.0).abs() < 1e-6, "{found}");
+    }
+    let image = read_labels(fault("reliability/msb_T.mha")).unwrap();
+    assert_eq!(image.summaries().iter().map(|summary| summary.label).collect::<Vec<_>>(), [1, 300]);
+}
+
+#[test]
+#[cfg_attr(not(shared_data), ignore = "../shared/data is absent")]
+fn what_cannot_be_is_refused() {
+    let mesh = surfometry::io::read_mesh(&fault("reliability/elements_2e9.ply")).map(drop).unwrap_err();
+    assert!(mesh.to_string().contains("export the mesh again"), "{mesh}");
+    let field = surfometry::io::read_field(fault("reliability/field_1e300.nii.gz"), ReadOptions::default());
+    let refused = field.map(drop).unwrap_err().to_string();
+    assert!(refused.contains("scale the field"), "{refused}");
 }

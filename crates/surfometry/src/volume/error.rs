@@ -94,6 +94,14 @@ pub enum VolumeError {
         /// Dimensions as stored.
         dimensions: [usize; 3],
     },
+    /// An image that is made here, of more voxels than anybody waits for.
+    #[error(
+        "an image of {dimensions:?} voxels would take days to make: take a coarser spacing or a smaller shape"
+    )]
+    TooMuchToMake {
+        /// Dimensions.
+        dimensions: [usize; 3],
+    },
     /// A voxel of a label image or field is not a number or infinite.
     #[error("voxel {index:?} is {value}; replace such voxels (for labels with 0) before measuring")]
     NotFinite {

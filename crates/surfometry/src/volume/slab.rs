@@ -78,7 +78,7 @@ const MOST_MADE: [usize; 2] = [1 << 30, 1 << 36];
 pub(crate) fn check_made(dimensions: [usize; 3]) -> Result<(), VolumeError> {
     let slice = dimensions[0].saturating_mul(dimensions[1]);
     if slice > MOST_MADE[0] || slice.saturating_mul(dimensions[2]) > MOST_MADE[1] {
-        return Err(VolumeError::TooLarge { dimensions });
+        return Err(VolumeError::TooMuchToMake { dimensions });
     }
     Ok(())
 }

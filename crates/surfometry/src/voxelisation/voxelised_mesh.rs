@@ -158,16 +158,20 @@ impl SlabReader for MeshSlabs<'_> {
 
 /// A surface has an inside where each edge is passed as often one way as the other; vertices count as one where they are at one place.
 fn check_closed(mesh: &Mesh) -> Result<(), VoxeliseError> {
+    let uses = Mesh { vertices: Vec::new(), triangles: merged_triangles(mesh) }.edge_uses();
+    let open = || uses.iter().filter(|((a, b), [up, down])| a != b && up != down);
+    let Some(vertex) = open().map(|((a, _), _)| *a).min() else { return Ok(()) };
+    let [x, y, z] = mesh.vertices[vertex as usize];
+    Err(VoxeliseError::Open { edges: open().count(), x, y, z })
+}
+
+/// The triangles, whose corners are numbered by the first vertex at their place.
+fn merged_triangles(mesh: &Mesh) -> Vec<[u32; 3]> {
     let mut firsts: HashMap<[u64; 3], u32> = HashMap::new();
     let mut first = |number: u32| {
         // Adding 0 makes -0 the same as 0.
         let place = mesh.vertices[number as usize].map(|c| (c + 0.0).to_bits());
         *firsts.entry(place).or_insert(number)
     };
-    let triangles = mesh.triangles.iter().map(|triangle| triangle.map(&mut first)).collect();
-    let uses = Mesh { vertices: Vec::new(), triangles }.edge_uses();
-    let open = || uses.iter().filter(|((a, b), [up, down])| a != b && up != down);
-    let Some(vertex) = open().map(|((a, _), _)| *a).min() else { return Ok(()) };
-    let [x, y, z] = mesh.vertices[vertex as usize];
-    Err(VoxeliseError::Open { edges: open().count(), x, y, z })
+    mesh.triangles.iter().map(|triangle| triangle.map(&mut first)).collect()
 }
