@@ -48,7 +48,7 @@ def test_there_are_commands():
 
 
 # A cohort of a hundred bones takes minutes: of each kind one is asked for instead. The zoo takes one shape.
-SHORTER = {"cohort -o cohort": "cohort -o cohort --femurs 0 --vertebrae 1", "surfometry validate ": "surfometry validate --shape torus --poses 1 --resolutions 10 --ratios 1 "}
+SHORTER = {"cohort -o cohort": "cohort -o cohort --femurs 0 --vertebrae 1", "surfometry validate  ": "surfometry validate --shape torus --poses 1 --resolutions 10 --ratios 1 "}
 
 
 @pytest.mark.parametrize("command", COMMANDS)

@@ -152,7 +152,9 @@ mod tests {
             Err(VolumeError::Sheared { first: 0, second: 1, .. })
         ));
         assert!(matches!(Grid::axis_aligned([4, 0, 4], [1.0; 3]), Err(VolumeError::EmptyAxis { .. })));
-        assert!(matches!(Grid::axis_aligned([1 << 30; 3], [1.0; 3]), Err(VolumeError::TooLarge { .. })));
+        assert!(matches!(Grid::axis_aligned([1 << 20; 3], [1.0; 3]), Err(VolumeError::TooLarge { .. })));
+        let long = Grid::axis_aligned([4, 1 << 30, 4], [1.0; 3]);
+        assert!(matches!(long, Err(VolumeError::LongAxis { axis: 1, .. })));
         affine = Affine::diagonal([1.0, f64::NAN, 1.0]);
         assert_eq!(Grid::new([4, 4, 4], affine), Err(VolumeError::NonFiniteAffine));
     }
