@@ -1,5 +1,6 @@
 //! What one box of an image adds to the measurement of each object.
 
+use super::blur_bound::BlurBound;
 use super::pass::{ObjectSums, Pass};
 use super::scheme::Scheme;
 use super::setup::{Setup, Totals};
@@ -117,26 +118,29 @@ impl<'a> Labels<'a> {
     ) -> BTreeMap<Vec<i64>, ObjectPart> {
         let known = region.grown(reach);
         let mut groups = self.groups(selection);
-        groups.iter_mut().for_each(|group| group.bounds = group.bounds.intersection(&known));
+        for group in &mut groups {
+            group.bounds = group.bounds.intersection(&known);
+        }
         groups.retain(|group| !group.bounds.is_empty());
+        let bound = BlurBound::of(setup);
         let part = |group: Group| {
-            let part = self.part(setup, &group, region);
+            let part = self.part(setup, bound.as_ref(), &group, region);
             (group.key, part)
         };
         let parts: Vec<_> = groups.into_par_iter().map(part).collect();
         parts.into_iter().filter(|(_, part)| *part != ObjectPart::default()).collect()
     }
 
-    fn part(&self, setup: &Setup, group: &Group, region: &IndexBox) -> ObjectPart {
+    fn part(&self, setup: &Setup, bound: Option<&BlurBound>, group: &Group, region: &IndexBox) -> ObjectPart {
         let start = Instant::now();
         let mask = self.runs.mask(&group.codes, group.bounds);
         let image = setup.grid.index_box();
-        let (tiles, cells) = (Some(tiles_of(region, &image)), Scheme::cells_of_band(setup, &mask));
-        let pass = Pass { tiles, region: cells, ..setup.pass(true) };
         // What is in reach of the box decides; so a small object costs nothing, however far a blur spreads it.
-        let sums = if Scheme::has_no_band(setup, &mask) {
+        let sums = if bound.is_some_and(|bound| bound.has_no_band(&mask)) {
             ObjectSums::default()
         } else {
+            let cells = bound.and_then(|bound| bound.cells_of_band(&mask));
+            let pass = Pass { tiles: Some(tiles_of(region, &image)), region: cells, ..setup.pass(true) };
             Scheme::of_part(setup, &mask).sums(&pass)
         };
         let integrated = sums.times.share_of_integrals(start.elapsed());

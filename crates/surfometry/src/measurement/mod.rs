@@ -1,5 +1,6 @@
 //! Parameters -> all stages -> result.
 
+mod blur_bound;
 mod box_sums;
 mod boxes;
 mod clip;

@@ -235,14 +235,14 @@ impl Object {
                 Content::Probability(image) => measurement.prepare_probability(image),
                 _ => measurement.prepare(&self.mask),
             };
-            object.ok().map(|object| object.measure_counted(counted.clone()))
+            object.ok().map(|object| object.measure_counted(&counted))
         };
         sigmas.iter().filter_map(measured).collect()
     }
 
     /// All numbers.
     pub fn measure(&self) -> Measured {
-        self.measure_counted(self.counted())
+        self.measure_counted(&self.counted())
     }
 
     /// The voxels' numbers and their topology.
@@ -254,10 +254,10 @@ impl Object {
     }
 
     /// All numbers, of voxels that were counted.
-    fn measure_counted(&self, counted: Totals) -> Measured {
+    fn measure_counted(&self, counted: &Totals) -> Measured {
         let start = Instant::now();
         let sums = self.sums(true);
         let integrated = self.preparation + sums.times.share_of_integrals(start.elapsed());
-        self.setup.measured(&Totals { sums, open: self.open(), integrated, ..counted })
+        self.setup.measured(&Totals { sums, open: self.open(), integrated, ..*counted })
     }
 }

@@ -1,17 +1,17 @@
 //! The field of an object and its derivatives, as the parameters choose them.
 
+use super::blur_bound::BlurBound;
 use super::pass::{ObjectSums, Pass};
 use super::setup::Setup;
 use super::{Derivatives, EmbeddingKind, MeasureError, Parameters};
 use crate::embedding::{
-    DistanceEmbedding, Embedding, GaussianEmbedding, GaussianKernel, Indicator, TRUNCATION,
-    TRUNCATION_OF_BLUR,
+    DistanceEmbedding, Embedding, GaussianEmbedding, Indicator, TRUNCATION, TRUNCATION_OF_BLUR,
 };
 use crate::integrals::Band;
 use crate::local_geometry::{
     BandVoxel, Differentiation, FiniteDifferences, GaussianDerivatives, Jet, MatchedDifferences,
 };
-use crate::surface::{Surface, VertexExtras, cell_limits, cells_around};
+use crate::surface::{Surface, VertexExtras, cell_limits};
 use crate::tiling::IndexBox;
 use crate::volume::{FieldImage, Grid, Mask, ProbabilityImage};
 
@@ -98,33 +98,6 @@ impl<'a> Scheme<'a> {
         })
     }
 
-    /// Whether the band, and with it the surface, is known to be nowhere.
-    pub(super) fn has_no_band(setup: &Setup, mask: &Mask) -> bool {
-        let band = setup.parameters.level_or_half() - setup.band.delta().half_width();
-        is_below(setup, &mask.bounds(), || mask.voxels() as f64, band * (1.0 - 1e-6))
-    }
-
-    /// A box, of voxels that are worked on together, outside which the band is known to be nowhere; `None` where no bound is known.
-    pub(super) fn cells_of_band(setup: &Setup, mask: &Mask) -> Option<IndexBox> {
-        // Fields are in single precision.
-        const ROUNDING: f64 = 1e-4;
-        let sigma = setup.parameters.sigma_mm?;
-        let band = setup.parameters.level_or_half() - setup.band.delta().half_width() - ROUNDING;
-        let (spacing, extent) = (setup.grid.spacing().mm(), mask.bounds().extent());
-        let kernels = spacing.map(|h| GaussianKernel::new(sigma, h, 0, truncation_of(setup)));
-        let weight = setup.parameters.embedding.profile(sigma).terms()[0].0;
-        let highest: [f64; 3] = std::array::from_fn(|a| kernels[a].largest_sum(extent[a]));
-        // Beside the object's box the blur is at most what comes of a box as wide, so far off along that axis.
-        let reach = |a: usize| {
-            let taps = &kernels[a].taps()[kernels[a].radius()..];
-            let others = weight * highest[(a + 1) % 3] * highest[(a + 2) % 3];
-            let is_below =
-                |&distance: &usize| others * taps[distance..].iter().take(extent[a]).sum::<f64>() < band;
-            (1..taps.len()).find(is_below).unwrap_or(taps.len()) as i64 - 1
-        };
-        (band > 0.0).then(|| cells_around(&mask.bounds().grown(std::array::from_fn(reach))))
-    }
-
     /// Voxels around a box, on each side of each axis, in which an object must be known for what is summed over the box.
     pub(super) fn reach(&self, setup: &Setup) -> [i64; 3] {
         let half_width = setup.band.delta().half_width();
@@ -167,7 +140,7 @@ impl<'a> Scheme<'a> {
     }
 }
 
-fn truncation_of(setup: &Setup) -> f64 {
+pub(super) fn truncation_of(setup: &Setup) -> f64 {
     setup.measurement.truncation.unwrap_or(match setup.parameters.derivatives {
         Derivatives::Matched => TRUNCATION_OF_BLUR,
         Derivatives::Gaussian | Derivatives::FiniteDifference => TRUNCATION,
@@ -177,33 +150,9 @@ fn truncation_of(setup: &Setup) -> f64 {
 /// Whether a blur may leave something of an object in a box, of which `total` adds up its voxels; one that reaches over too many voxels is refused.
 fn may_survive(setup: &Setup, bounds: &IndexBox, total: impl Fn() -> f64) -> Result<bool, MeasureError> {
     // A hair below the level, for what rounding adds.
-    if is_below(setup, bounds, total, setup.parameters.level_or_half() * (1.0 - 1e-6)) {
+    let level = setup.parameters.level_or_half() * (1.0 - 1e-6);
+    if BlurBound::of(setup).is_some_and(|bound| bound.is_below(bounds, total, level)) {
         return Ok(false);
     }
     Scheme::check_reach(setup).map(|()| true)
-}
-
-/// Whether the blurred indicator of an object in a box is known to stay below a value everywhere; without a blur it is not.
-///
-/// It is at most that of the box, whose maximum is a product over the axes of the largest sum of as many neighbouring taps as the box is wide; and at most
-/// that of all voxels, `total`, in one place.
-fn is_below(setup: &Setup, bounds: &IndexBox, total: impl Fn() -> f64, value: f64) -> bool {
-    // From there on samples and the integral differ by less than the hundredth that is added.
-    const FINE: f64 = 20.0;
-    let Some(sigma) = setup.parameters.sigma_mm else { return false };
-    let spacing = setup.grid.spacing().mm();
-    let share = |a: usize, voxels: usize| {
-        let width = voxels as f64 * spacing[a];
-        if sigma > FINE * spacing[a] {
-            (1.01 * libm::erf(width / (2.0 * std::f64::consts::SQRT_2 * sigma))).min(1.0)
-        } else {
-            GaussianKernel::new(sigma, spacing[a], 0, truncation_of(setup)).largest_sum(voxels)
-        }
-    };
-    // Of a combination, what is taken off may be nothing.
-    let weight = setup.parameters.embedding.profile(sigma).terms()[0].0;
-    let extent = bounds.extent();
-    let of_box = || (0..3).map(|a| share(a, extent[a])).product::<f64>();
-    let of_voxels = || total() * (0..3).map(|a| share(a, 1)).product::<f64>();
-    weight * of_box() < value || weight * of_voxels() < value
 }

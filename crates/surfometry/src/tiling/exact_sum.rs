@@ -92,7 +92,9 @@ impl ExactSum {
         carry(digits);
         self.negative = digits[high - low] < 0;
         if self.negative {
-            digits.iter_mut().for_each(|digit| *digit = -*digit);
+            for digit in digits.iter_mut() {
+                *digit = -*digit;
+            }
             carry(digits);
         }
         let zeros = digits.iter().take_while(|&&digit| digit == 0).count();
@@ -167,7 +169,9 @@ mod tests {
             prop_assert_eq!(&forward, &sum(&values));
             prop_assert_eq!(&forward, &merged);
             // What is taken off again leaves no trace.
-            values.iter().for_each(|v| merged.add(-v));
+            for v in &values {
+                merged.add(-v);
+            }
             prop_assert_eq!(merged, ExactSum::default());
         }
     }

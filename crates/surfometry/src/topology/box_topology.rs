@@ -170,7 +170,9 @@ fn background_shells(regions: Vec<IndexBox>, image: &IndexBox, joining: &mut Joi
 
 fn join_between([some, others]: [&Shells; 2], image: &IndexBox, joining: &mut Joining) {
     for a in some {
-        others.iter().for_each(|b| join(a, b, image, joining));
+        for b in others {
+            join(a, b, image, joining);
+        }
     }
 }
 

@@ -82,7 +82,7 @@ impl LabelledBox {
     /// Gives the components that the faces show their final numbers.
     fn number(&mut self, mut numbering: Numbering) {
         for_each_component(&mut self.faces, |kind, component| {
-            *component = numbering.number(kind, *component)
+            *component = numbering.number(kind, *component);
         });
         let (shown, hidden) = numbering.counts();
         self.shown = shown;
@@ -189,7 +189,9 @@ impl Part<'_> {
             }
         }
         let mut joining = Joining::of(labels.background.into_sets(), labels.foreground.into_sets());
-        rim.into_iter().for_each(|member| joining.join_outside(member));
+        for member in rim {
+            joining.join_outside(member);
+        }
         joining
     }
 }

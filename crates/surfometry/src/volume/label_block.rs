@@ -1,6 +1,6 @@
 //! A box of a label image.
 
-use super::{Grid, LabelImage, LabelRuns, Scalar, VolumeError};
+use super::{Grid, LabelImage, LabelRuns, LabelSummary, Scalar, VolumeError};
 use crate::tiling::IndexBox;
 
 /// The labels in a box of an image, of which the rest is somewhere else or never held.
@@ -34,7 +34,7 @@ impl LabelBlock {
 
     /// The labels' runs, and each label's code in them and the box around its voxels.
     pub(crate) fn runs(&self) -> (&LabelRuns, impl Iterator<Item = (i64, usize, IndexBox)>) {
-        let labels = self.labels.summaries().iter().map(|summary| summary.coded());
+        let labels = self.labels.summaries().iter().map(LabelSummary::coded);
         (self.labels.runs(), labels)
     }
 }
