@@ -89,8 +89,7 @@ fn a_phantom_survives_its_file() {
     let path = folder.path().join("phantom.nii.gz");
     surfometry::io::write_labels(&path, &image).unwrap();
     let m = Measurement::default();
-    let (file, memory) =
-        (m.run(&read_labels(&path).unwrap().mask(1)).unwrap(), m.run(&image.mask(1)).unwrap());
+    let (file, memory) = (m.run(read_labels(&path).unwrap().mask(1)).unwrap(), m.run(image.mask(1)).unwrap());
     assert_same("phantom", &file, &memory, 1e-6);
     assert_same_place("phantom", &file, &memory);
 }

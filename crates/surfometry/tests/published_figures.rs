@@ -15,7 +15,7 @@ fn pose() -> Pose {
 fn measured(shape: impl Shape + 'static, sigma: f64, derivatives: Derivatives) -> (f64, f64) {
     let phantom = Phantom::new(shape, pose(), [1.0; 3]).unwrap();
     let measurement = Measurement::default().sigma_mm(sigma).thickness_mm(2.5).derivatives(derivatives);
-    let result = measurement.run(&phantom.labels().unwrap().mask(1)).unwrap();
+    let result = measurement.run(phantom.labels().unwrap().mask(1)).unwrap();
     let truth = phantom.truth().unwrap();
     let area = 100.0 * (result.blurred.surface_area_mm2.unwrap() / truth.surface_area - 1.0);
     (area, result.blurred.euler_characteristic.unwrap())

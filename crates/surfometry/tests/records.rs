@@ -1,6 +1,7 @@
 //! Records as documents: they come back as they were, and tables have a column for everything that they hold.
 
 use surfometry::Measurement;
+use surfometry::inputs::OpenOptions;
 use surfometry::measurement::Clip;
 use surfometry::reference_methods::METHODS;
 use surfometry::runs::{
@@ -51,7 +52,7 @@ fn tables_have_all_columns() {
 fn reference_tables_have_all_columns() {
     let (control, mut found) = (Control::default(), Collected::default());
     let inputs = ["phantom:ball?radius=5".to_owned()];
-    let batch = Batch { inputs: &inputs, open: Default::default(), control: &control, cure: |_| None };
+    let batch = Batch { inputs: &inputs, open: OpenOptions::default(), control: &control, cure: |_| None };
     let task = ReferenceTask { plan: Plan::default(), methods: METHODS.to_vec() };
     batch.run(&task, &mut found).unwrap();
     let columns = ReferenceRecord::columns();
@@ -89,7 +90,7 @@ fn choices_have_one_name() {
 fn a_stop_ends_a_batch() {
     let control = Control::default();
     let inputs: Vec<String> = (5..30).map(|r| format!("phantom:ball?radius={r}")).collect();
-    let batch = Batch { inputs: &inputs, open: Default::default(), control: &control, cure: |_| None };
+    let batch = Batch { inputs: &inputs, open: OpenOptions::default(), control: &control, cure: |_| None };
     control.stop();
     let mut found = Collected::default();
     let outcome = batch.run(&surfometry::runs::MeasureTask::default(), &mut found).unwrap();

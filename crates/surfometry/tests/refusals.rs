@@ -180,24 +180,24 @@ fn ball() -> Mask {
 fn parameters_without_sense() {
     let m = Measurement::default();
     for bad in [0.0, -1.0, f64::NAN, f64::INFINITY] {
-        assert!(matches!(m.sigma_mm(bad).run(&ball()), Err(MeasureError::OutOfRange { name: "sigma", .. })));
-        assert!(matches!(m.thickness_mm(bad).run(&ball()), Err(MeasureError::OutOfRange { .. })));
-        assert!(matches!(m.epsilon(bad).run(&ball()), Err(MeasureError::OutOfRange { .. })));
-        assert!(matches!(m.level(bad).run(&ball()), Err(MeasureError::OutOfRange { .. })));
+        assert!(matches!(m.sigma_mm(bad).run(ball()), Err(MeasureError::OutOfRange { name: "sigma", .. })));
+        assert!(matches!(m.thickness_mm(bad).run(ball()), Err(MeasureError::OutOfRange { .. })));
+        assert!(matches!(m.epsilon(bad).run(ball()), Err(MeasureError::OutOfRange { .. })));
+        assert!(matches!(m.level(bad).run(ball()), Err(MeasureError::OutOfRange { .. })));
     }
-    assert!(matches!(m.level(1.0).run(&ball()), Err(MeasureError::OutOfRange { .. })));
-    assert!(matches!(m.thickness_mm(1.0).epsilon(0.1).run(&ball()), Err(MeasureError::Conflict(_))));
+    assert!(matches!(m.level(1.0).run(ball()), Err(MeasureError::OutOfRange { .. })));
+    assert!(matches!(m.thickness_mm(1.0).epsilon(0.1).run(ball()), Err(MeasureError::Conflict(_))));
     let distance = m.embedding(EmbeddingKind::Distance).derivatives(Derivatives::Gaussian);
-    assert!(matches!(distance.run(&ball()), Err(MeasureError::Conflict(_))));
-    assert!(matches!(m.embedding(EmbeddingKind::Given).run(&ball()), Err(MeasureError::Conflict(_))));
+    assert!(matches!(distance.run(ball()), Err(MeasureError::Conflict(_))));
+    assert!(matches!(m.embedding(EmbeddingKind::Given).run(ball()), Err(MeasureError::Conflict(_))));
     // The band of the blurred field would reach its background value and weigh all of space.
-    let wide = m.level(0.1).thickness_mm(2.5).run(&ball()).unwrap_err();
+    let wide = m.level(0.1).thickness_mm(2.5).run(ball()).unwrap_err();
     assert_says(&wide.to_string(), &["at level 0.1", "flat from 0.1", "smaller thickness"]);
-    assert!(matches!(m.epsilon(0.6).run(&ball()), Err(MeasureError::BandTooWide { .. })));
+    assert!(matches!(m.epsilon(0.6).run(ball()), Err(MeasureError::BandTooWide { .. })));
     // Lengths that no memory holds, in voxels.
-    let far = m.sigma_mm(1e4).level(1e-12).epsilon(1e-13).run(&ball()).unwrap_err();
+    let far = m.sigma_mm(1e4).level(1e-12).epsilon(1e-13).run(ball()).unwrap_err();
     assert_says(&far.to_string(), &["sigma 10000 mm is 10000 voxels", "smaller sigma"]);
-    let thick = m.embedding(EmbeddingKind::Distance).thickness_mm(1e6).run(&ball()).unwrap_err();
+    let thick = m.embedding(EmbeddingKind::Distance).thickness_mm(1e6).run(ball()).unwrap_err();
     assert_says(&thick.to_string(), &["thickness 1000000 mm", "smaller thickness"]);
     let empty = Mask::from_predicate(*ball().grid(), |_| false);
     assert!(matches!(m.run(&empty), Err(MeasureError::Volume(VolumeError::NoForeground))));
@@ -217,9 +217,9 @@ fn fields_without_sense() {
     let wide = m.thickness_mm(2.5).run_field(&step).unwrap_err().to_string();
     assert_says(&wide, &["epsilon is 0.7292", "nowhere above 0.5", "smaller thickness"]);
     assert!(m.epsilon(0.4).run_field(&step).is_ok());
-    let positive = m.run_field(&field(|_| 1.0).unwrap());
+    let positive = m.run_field(field(|_| 1.0).unwrap());
     assert!(matches!(positive, Err(MeasureError::Volume(VolumeError::NothingInside))));
-    let negative = m.run_field(&field(|_| -1.0).unwrap());
+    let negative = m.run_field(field(|_| -1.0).unwrap());
     assert!(matches!(negative, Err(MeasureError::FlatField)));
     let thin = Grid::axis_aligned([8, 8, 5], [1.0; 3]).unwrap();
     let small = FieldImage::new(thin, FieldValues::F32(vec![-1.0; 320])).unwrap();

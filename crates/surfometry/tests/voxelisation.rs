@@ -58,7 +58,7 @@ fn voxels_of_a_mesh_are_those_of_its_shape() {
         let fine = phantom(Torus { major: 26.0, minor: 12.0 }, pose, [0.5; 3]);
         let mesh = Measurement::default()
             .sigma_mm(1.0)
-            .prepare(&fine.labels().unwrap().mask(1))
+            .prepare(fine.labels().unwrap().mask(1))
             .unwrap()
             .surface()
             .mesh;
@@ -86,7 +86,7 @@ fn voxels_of_a_mesh_are_those_of_its_shape() {
 #[test]
 fn voxels_stand_where_the_mesh_does() {
     let mesh = cuboid([100.2, -50.3, 7.1], [110.2, -44.3, 12.1]);
-    let measured = Measurement::default().run(&voxels(&mesh, [0.5, 0.4, 0.3])).unwrap();
+    let measured = Measurement::default().run(voxels(&mesh, [0.5, 0.4, 0.3])).unwrap();
     let centroid = measured.voxels.centroid_mm;
     for (found, exact) in centroid.iter().zip([105.2, -47.3, 9.6]) {
         assert!((found - exact).abs() < 0.25, "{centroid:?}");
@@ -114,7 +114,7 @@ fn files_of_meshes() {
     let folder = tempfile::tempdir().unwrap();
     let shape =
         phantom(Ellipsoid { radii: [9.0, 7.0, 6.0] }, Pose::new([10.0, 20.0, 30.0], [0.0; 3]), [1.0; 3]);
-    let surface = Measurement::default().prepare(&shape.labels().unwrap().mask(1)).unwrap().surface();
+    let surface = Measurement::default().prepare(shape.labels().unwrap().mask(1)).unwrap().surface();
     for name in ["a.stl", "a.ply"] {
         let path = folder.path().join(name);
         let document = MeshDocument { mesh: &surface.mesh, arrays: &[], colors: None, title: "test" };

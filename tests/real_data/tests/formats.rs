@@ -18,7 +18,7 @@ fn data(name: &str) -> PathBuf {
 fn measured(image: &LabelImage) -> Measured {
     let groups = LabelSelection::All.resolve(image).unwrap();
     assert_eq!(groups.len(), 1);
-    Measurement::default().sigma_mm(3.0).thickness_mm(6.25).run(&image.group_mask(&groups[0])).unwrap()
+    Measurement::default().sigma_mm(3.0).thickness_mm(6.25).run(image.group_mask(&groups[0])).unwrap()
 }
 
 /// Variants with the whole geometry, in the same storage order: the same voxels through another header. Headers in

@@ -13,7 +13,7 @@ use surfometry_real_data::real;
 
 fn femur(measurement: &Measurement) -> Measured {
     let image = read_labels(real("bone/libhip_m3_left_proximal_femur_1mm.nii.gz")).unwrap();
-    measurement.run(&image.mask(1)).unwrap()
+    measurement.run(image.mask(1)).unwrap()
 }
 
 fn within(value: Option<f64>, expected: f64, relative: f64) {

@@ -57,7 +57,7 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
     }
     let mut names: Vec<String> = found.results.iter().flat_map(|r| r.files.clone()).collect();
     if !documents.is_empty() && !outcome.stopped {
-        let text = map_document(found)?;
+        let text = map_document(&found)?;
         for path in documents {
             deliver(&text, Some(&path))?;
             names.push(path.display().to_string());

@@ -13,7 +13,7 @@ pub(crate) use description_text::description_text;
 pub(crate) use results::{status, write_results};
 pub(crate) use sweep_table::sweep_tables;
 pub(crate) use table::{Layout, digits, flags_text, record_tables};
-pub(crate) use table_sink::TableStyle;
+pub(crate) use table_sink::{Legend, TableStyle};
 pub(crate) use validation_table::validation_table;
 
 use anyhow::{Context, Result, bail};
@@ -30,7 +30,7 @@ pub(crate) fn json_text(document: &impl Serialize) -> Result<String> {
 }
 
 /// The document of a map: results, and what failed.
-pub(crate) fn map_document(found: Collected<SurfaceRecord>) -> Result<String> {
+pub(crate) fn map_document(found: &Collected<SurfaceRecord>) -> Result<String> {
     json_text(&json!({
         "schema": MAP_SCHEMA,
         "version": env!("CARGO_PKG_VERSION"),

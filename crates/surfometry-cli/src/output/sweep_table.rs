@@ -1,6 +1,6 @@
 //! Sweeps as tables for people.
 
-use super::{Layout, TableStyle, digits};
+use super::{Layout, Legend, TableStyle, digits};
 use surfometry::runs::{Record, SweptParameter};
 
 const LEGEND: &str = "V mm\u{b3}, A mm\u{b2}, M = total H mm of the object as it was segmented, with standard errors; blurred: of the \
@@ -9,7 +9,7 @@ const LEGEND: &str = "V mm\u{b3}, A mm\u{b2}, M = total H mm of the object as it
 pub(crate) fn sweep_tables(over: SweptParameter) -> TableStyle<Record> {
     TableStyle {
         of_input: Box::new(move |records| table(over, records)),
-        legend: Some((LEGEND.to_owned(), |_| true)),
+        legend: Some(Legend { text: LEGEND, wanted: |_| true }),
     }
 }
 

@@ -1,6 +1,6 @@
 //! Results as a table for people.
 
-use super::TableStyle;
+use super::{Legend, TableStyle};
 use comfy_table::{CellAlignment, Table, presets};
 use std::fmt::Write;
 use surfometry::accuracy::{CompensatedIntegrals, CompensationTerms, Flag, FlagCode};
@@ -38,7 +38,7 @@ const LEGEND: &str = "original: the object as it was segmented, s.e.: its standa
 pub(crate) fn record_tables(explain: bool) -> TableStyle<Record> {
     TableStyle {
         of_input: Box::new(move |records| input_text(records, explain)),
-        legend: Some((LEGEND.to_owned(), |record| record.measured.parameters.sigma_mm.is_some())),
+        legend: Some(Legend { text: LEGEND, wanted: |record| record.measured.parameters.sigma_mm.is_some() }),
     }
 }
 

@@ -7,9 +7,18 @@ use surfometry::runs::{Failure, Sink};
 /// How results become text.
 pub(crate) struct TableStyle<R> {
     /// Of one input's results, of which there is at least one.
-    pub(crate) of_input: Box<dyn Fn(&[R]) -> String>,
+    pub(crate) of_input: Box<ToText<R>>,
     /// What stands below all tables, if any result wants it.
-    pub(crate) legend: Option<(String, fn(&R) -> bool)>,
+    pub(crate) legend: Option<Legend<R>>,
+}
+
+/// One input's results as text.
+type ToText<R> = dyn Fn(&[R]) -> String;
+
+/// A text, and which results want it.
+pub(crate) struct Legend<R> {
+    pub(crate) text: &'static str,
+    pub(crate) wanted: fn(&R) -> bool,
 }
 
 /// Writes a table an input.
@@ -39,8 +48,8 @@ impl<R> TableSink<R> {
 
     pub(crate) fn finish(mut self) -> io::Result<ResultOutput> {
         self.input_ends()?;
-        if let Some((legend, _)) = self.style.legend.as_ref().filter(|_| self.explained) {
-            self.out.write_all(format!("\n{legend}\n").as_bytes())?;
+        if let Some(Legend { text, .. }) = self.style.legend.as_ref().filter(|_| self.explained) {
+            self.out.write_all(format!("\n{text}\n").as_bytes())?;
         }
         if self.list_failures && !self.failures.is_empty() {
             let lines: Vec<String> = self.failures.iter().map(|failure| format!("  {failure}\n")).collect();
@@ -52,7 +61,7 @@ impl<R> TableSink<R> {
 
 impl<R> Sink<R> for TableSink<R> {
     fn row(&mut self, row: R) -> io::Result<()> {
-        self.explained |= self.style.legend.as_ref().is_some_and(|(_, wanted)| wanted(&row));
+        self.explained |= self.style.legend.as_ref().is_some_and(|legend| (legend.wanted)(&row));
         self.of_input.push(row);
         Ok(())
     }

@@ -107,7 +107,9 @@ impl MeasureTask {
         let stages =
             records.iter().fold(StageSeconds::default(), |sum, record| sum.plus(&record.measured.timings));
         self.tell_timings(input, [file, read - file], &stages);
-        records.into_iter().for_each(|record| out(Item::Row(record)));
+        for record in records {
+            out(Item::Row(record));
+        }
         Ok(())
     }
 

@@ -22,9 +22,17 @@ pub struct Reading<'a> {
 }
 
 enum Content {
-    Labels { image: LabelImage, groups: Vec<LabelGroup>, names: BTreeMap<i64, String>, truth: Option<Truth> },
+    Labels(Box<Labelled>),
     Probability { image: Arc<ProbabilityImage>, truth: Option<Truth> },
     Field(Arc<FieldImage>),
+}
+
+/// A label image, and what was selected of it.
+struct Labelled {
+    image: LabelImage,
+    groups: Vec<LabelGroup>,
+    names: BTreeMap<i64, String>,
+    truth: Option<Truth>,
 }
 
 impl<'a> Reading<'a> {
@@ -46,10 +54,11 @@ impl<'a> Reading<'a> {
                 let image = LabelImage::from_slabs(&mut slabs)?;
                 let groups = plan.labels.resolve(&image).map_err(MeasureError::from)?;
                 let (names, truth) = (source.label_names(), source.truth());
-                Content::Labels { image, groups, names, truth }
+                Content::Labels(Box::new(Labelled { image, groups, names, truth }))
             }
         };
-        let many_labels = matches!(&content, Content::Labels { image, .. } if image.summaries().len() > 1);
+        let many_labels =
+            matches!(&content, Content::Labels(labelled) if labelled.image.summaries().len() > 1);
         let facts = Arc::new(InputFacts::new(input, plan, many_labels, start.elapsed().as_secs_f64()));
         Ok(Self { plan, control: input.control, facts, content })
     }
@@ -79,7 +88,7 @@ impl<'a> Reading<'a> {
     /// How many labels, or unions of labels, were selected.
     pub fn count(&self) -> usize {
         match &self.content {
-            Content::Labels { groups, .. } => groups.len(),
+            Content::Labels(labelled) => labelled.groups.len(),
             Content::Probability { .. } | Content::Field(_) => 1,
         }
     }
@@ -92,7 +101,8 @@ impl<'a> Reading<'a> {
                 let object = self.of_probability(image, plan);
                 vec![object.map(|object| InputObject { truth: *truth, ..object })]
             }
-            Content::Labels { image, groups, names, truth } => {
+            Content::Labels(labelled) => {
+                let Labelled { image, groups, names, truth } = &**labelled;
                 let label = &groups[number];
                 let whole = image.group_mask(label);
                 let pieces = if plan.per_component {

@@ -119,7 +119,9 @@ impl Task for SweepTask {
         if let Some(surfaces) = &self.surfaces {
             self.draw_surfaces(input, &reading, surfaces, out)?;
         }
-        records.into_iter().for_each(|record| out(Item::Row(record)));
+        for record in records {
+            out(Item::Row(record));
+        }
         Ok(())
     }
 }

@@ -20,7 +20,7 @@ pub(super) struct Bricks {
     rows_a_slice: usize,
     /// Bricks along x, with an empty one at both ends, and along y.
     along: [usize; 2],
-    bricks: Vec<[u64; 2]>,
+    words: Vec<[u64; 2]>,
 }
 
 /// One of the two sets.
@@ -36,12 +36,12 @@ impl Bricks {
         let [nx, ny, nz] = object.bounds().extent();
         let along = [nx.div_ceil(EDGE) + 2, ny.div_ceil(EDGE)];
         let bricks = vec![[0; 2]; along[0] * along[1] * nz.div_ceil(EDGE)];
-        let mut all = Self { rows_a_slice: ny, along, bricks };
+        let mut all = Self { rows_a_slice: ny, along, words: bricks };
         for (number, (y, z)) in object.bounds().rows().enumerate() {
             let (first, shift) = all.row(number);
             for (n, word) in object.row(y, z).iter().enumerate() {
                 let rows = (0..BRICKS_A_WORD).map(|k| (k, word >> (k * EDGE) & ROW)).filter(|row| row.1 != 0);
-                rows.for_each(|(k, row)| all.bricks[first + n * BRICKS_A_WORD + k][0] |= row << shift);
+                rows.for_each(|(k, row)| all.words[first + n * BRICKS_A_WORD + k][0] |= row << shift);
             }
         }
         all
@@ -51,7 +51,7 @@ impl Bricks {
     pub(super) fn mask(&self, set: Set, object: &Mask) -> Mask {
         Mask::from_words(*object.grid(), object.bounds(), |number, n| {
             let (first, shift) = self.row(number);
-            let bricks = &self.bricks[first..first + self.along[0] - 2];
+            let bricks = &self.words[first..first + self.along[0] - 2];
             let bricks = bricks.iter().skip(n * BRICKS_A_WORD).take(BRICKS_A_WORD).enumerate();
             bricks.fold(0, |word, (k, brick)| word | (brick[set as usize] >> shift & ROW) << (k * EDGE))
         })
@@ -66,7 +66,7 @@ impl Bricks {
             for (m, y) in (y - 1..=y + 1).enumerate() {
                 let first = (z / EDGE * self.along[1] + y / EDGE) * self.along[0] + column;
                 let bit = (z % EDGE * EDGE + y % EDGE) * EDGE;
-                let rows = &self.bricks[first..first + 3];
+                let rows = &self.words[first..first + 3];
                 let [left, middle, right] = [0, 1, 2].map(|k| (rows[k][set as usize] >> bit & ROW) as u32);
                 around |= ((left >> (EDGE - 1) | middle << 1 | right << (EDGE + 1)) >> shift & 7)
                     << (3 * (3 * n + m));
@@ -86,13 +86,13 @@ impl Bricks {
                 [brick(y - 1, z - 1), brick(y + 1, z - 1), brick(y - 1, z + 1), brick(y + 1, z + 1)];
             near.copy_from_slice(&corners.map(|first| first + x as usize / EDGE + 1));
         }
-        black_box(near.iter().fold(0, |all, &brick| all ^ self.bricks[brick][0]));
+        black_box(near.iter().fold(0, |all, &brick| all ^ self.words[brick][0]));
     }
 
     /// Puts the voxel at a place into a set, or takes it out.
     pub(super) fn toggle(&mut self, set: Set, Place { row, x }: Place) {
         let (first, shift) = self.row(row as usize);
-        self.bricks[first + x as usize / EDGE][set as usize] ^= 1 << (shift + x as usize % EDGE);
+        self.words[first + x as usize / EDGE][set as usize] ^= 1 << (shift + x as usize % EDGE);
     }
 
     /// The first brick of a row, and where the row begins in it.

@@ -192,7 +192,9 @@ impl Cores<'_> {
     /// By how much components grow in number that each core is taken from, in order, from what they are at the end.
     fn backwards(&self, end: &Mask, connectivity: Connectivity) -> Vec<i64> {
         let mut growth = self.growth(end, connectivity, self.cores.iter().rev());
-        growth.iter_mut().for_each(|growth| *growth = -*growth);
+        for growth in &mut growth {
+            *growth = -*growth;
+        }
         growth.reverse();
         growth
     }

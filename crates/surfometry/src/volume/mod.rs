@@ -26,6 +26,7 @@ pub use labels::{LabelImage, LabelSummary};
 pub use mask::Mask;
 pub(crate) use mask::{Place, ones};
 pub use probability::ProbabilityImage;
+#[cfg(feature = "io")]
 pub(crate) use samples::collected;
 pub use samples::{Samples, Scalar, ScalarType};
 pub use selection::{LabelGroup, LabelSelection, ParseSelectionError};

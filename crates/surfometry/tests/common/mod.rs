@@ -36,7 +36,7 @@ pub fn without_times(results: &[(LabelGroup, Measured)]) -> Vec<String> {
 
 /// Measures a phantom's voxels.
 pub fn measure(phantom: &Phantom, measurement: &Measurement) -> Measured {
-    measurement.run(&phantom.labels().unwrap().mask(1)).unwrap()
+    measurement.run(phantom.labels().unwrap().mask(1)).unwrap()
 }
 
 /// Relative errors in % of compensated V, A, M.
