@@ -2,18 +2,26 @@
 
 use surfometry::Measurement;
 use surfometry::inputs::OpenOptions;
+use surfometry::io::write_labels;
 use surfometry::measurement::Clip;
 use surfometry::reference_methods::METHODS;
 use surfometry::runs::{
     Batch, Collected, Plan, Record, ReferenceRecord, ReferenceTask, Row, flatten, records_of,
 };
+use surfometry::volume::{Grid, LabelImage};
 use surfometry::{Choice, Control};
 
 fn records() -> Vec<Record> {
     let measurement = Measurement::default();
     let clipped = Plan { measurement: measurement.clip(Clip::Exclude), ..Plan::default() };
-    let gyroid = "phantom:gyroid?period=16&size=32";
-    [("phantom:torus?major=12&minor=5", Plan::default()), (gyroid, clipped)]
+    // A rod that ends at the edge of its image.
+    let grid = Grid::axis_aligned([40, 30, 30], [1.0; 3]).unwrap();
+    let inside = |[_, y, z]: [usize; 3]| (y as f64 - 14.3).hypot(z as f64 - 14.6) < 8.0;
+    let voxels: Vec<u8> = (0..grid.voxel_count()).map(|n| u8::from(inside(grid.index_of(n)))).collect();
+    let folder = tempfile::tempdir().unwrap();
+    let rod = folder.path().join("rod.nii");
+    write_labels(&rod, &LabelImage::from_voxels(grid, &voxels).unwrap()).unwrap();
+    [("phantom:torus?major=12&minor=5", Plan::default()), (rod.to_str().unwrap(), clipped)]
         .into_iter()
         .flat_map(|(name, plan)| records_of(name, &plan).unwrap())
         .collect()

@@ -130,7 +130,7 @@ fn spacings_and_affines_without_sense() {
     let none = "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 4 4 4\nencoding: raw\n\n";
     assert_says(
         &refusal("a.nrrd", none.to_owned() + &"\u{1}".repeat(64)),
-        &["no voxel spacing", "--spacing"],
+        &["no voxel spacing", "say what it is"],
     );
     let folder = tempfile::tempdir().unwrap();
     let path = write(folder.path(), "a.nrrd", none.to_owned() + &"\u{1}".repeat(64));
