@@ -42,7 +42,7 @@ const SCHEMA: &str = "surfometry-partial/1";
 ///     let bytes = measurement.measure_box(&block, region, &all)?.to_bytes();
 ///     whole = whole.merged(PartialMeasurement::from_bytes(&bytes)?)?;
 /// }
-/// assert_eq!(whole.results()?[0].1.plain, measurement.run_labels(&image, &all, |_, _| {})?[0].1.plain);
+/// assert_eq!(whole.results()?[0].1.values, measurement.run_labels(&image, &all, |_, _| {})?[0].1.values);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
