@@ -30,7 +30,11 @@ fn what_the_blur_closed_is_said_with_its_place() {
     assert!(table.contains("hole-closed") && table.contains("1 hole closed ("), "{table}");
     let rows =
         String::from_utf8(run(&["measure", PIERCED, "--sigma", "5", "--format", "csv"]).stdout).unwrap();
-    assert!(rows.contains("topology_changes") && rows.contains(",hole-closed;hole-opened,"), "{rows}");
+    assert!(rows.contains("topology_changes") && rows.contains(",hole-closed,"), "{rows}");
+    let explained =
+        String::from_utf8(run(&["measure", PIERCED, "--sigma", "5", "--format", "csv", "--explain"]).stdout)
+            .unwrap();
+    assert!(explained.contains(",hole-closed;hole-opened,"), "{explained}");
 }
 
 /// Nothing is looked for where nothing disagrees, unless it is asked for; then nothing is found.

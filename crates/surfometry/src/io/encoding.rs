@@ -1,7 +1,7 @@
 //! Decoders of voxel data.
 
 use super::ReadError;
-use super::header::{DataOffset, Encoding, VoxelData, open_file};
+use super::header::{DataOffset, Encoding, VoxelData};
 use super::members::Members;
 use bzip2::bufread::BzDecoder;
 use flate2::bufread::{GzDecoder, ZlibDecoder};
@@ -43,7 +43,7 @@ pub(crate) fn open(
     spent: &Arc<AtomicU64>,
 ) -> Result<Box<dyn Read + Send>, ReadError> {
     let io_error = |e| ReadError::io(&data.path, e);
-    let (mut file, size) = open_file(&data.path)?;
+    let (mut file, size) = data.file()?;
     let (start, skip) = match data.offset {
         DataOffset::Stored(start) => (start, 0),
         DataOffset::Decoded(skip) => (0, skip),

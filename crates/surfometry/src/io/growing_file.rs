@@ -2,7 +2,7 @@
 
 use std::ffi::OsString;
 use std::fs::{self, File};
-use std::io::{self, Seek, SeekFrom, Write};
+use std::io::{self, Seek, Write};
 use std::path::{Path, PathBuf};
 
 /// A file under a name of its own, `NAME.partial`, until it is finished. Where a run is killed, what it has written so far
@@ -10,6 +10,8 @@ use std::path::{Path, PathBuf};
 #[derive(Debug)]
 pub struct GrowingFile {
     file: File,
+    /// Bytes of an end that the next ones will replace.
+    end: u64,
     partial: PathBuf,
     target: PathBuf,
 }
@@ -32,7 +34,7 @@ impl GrowingFile {
         let mut name = target.file_name().map_or_else(OsString::new, OsString::from);
         name.push(".partial");
         let partial = target.with_file_name(name);
-        Ok(Self { file: File::create(&partial)?, partial, target })
+        Ok(Self { file: File::create(&partial)?, end: 0, partial, target })
     }
 
     /// Gives the file its name.
@@ -40,8 +42,7 @@ impl GrowingFile {
     /// # Errors
     /// Whatever the file system says; what was written is under the partial name then.
     pub fn finish(mut self) -> io::Result<()> {
-        let end = self.file.stream_position()?;
-        self.file.set_len(end)?;
+        self.drop_end()?;
         if let Ok(earlier) = fs::metadata(&self.target) {
             self.file.set_permissions(earlier.permissions())?;
         }
@@ -52,11 +53,29 @@ impl GrowingFile {
     /// Writes bytes, and behind them an end that the next ones will replace: by one call to the system, so that a run that
     /// is killed leaves either both or neither.
     fn write_secured(&mut self, bytes: &[u8], end: &[u8]) -> io::Result<()> {
+        if (bytes.len() + end.len()) < self.end as usize {
+            self.drop_end()?;
+        }
+        self.return_to_end()?;
         self.file.write_all(&[bytes, end].concat())?;
-        let written = self.file.stream_position()?;
-        self.file.set_len(written)?;
-        self.file.seek(SeekFrom::Start(written - end.len() as u64))?;
+        self.end = end.len() as u64;
         Ok(())
+    }
+
+    /// Goes back to where the replaceable end begins.
+    fn return_to_end(&mut self) -> io::Result<()> {
+        if self.end > 0 {
+            self.file.seek_relative(-(self.end as i64))?;
+            self.end = 0;
+        }
+        Ok(())
+    }
+
+    /// Takes the replaceable end away.
+    fn drop_end(&mut self) -> io::Result<()> {
+        self.return_to_end()?;
+        let written = self.file.stream_position()?;
+        self.file.set_len(written)
     }
 }
 
@@ -135,6 +154,9 @@ impl Write for ResultOutput {
 
 impl Write for GrowingFile {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        if self.end > 0 {
+            self.drop_end()?;
+        }
         self.file.write(bytes)
     }
 
@@ -159,9 +181,13 @@ mod tests {
         let partial = folder.path().join("results.json.partial");
         assert_eq!(fs::read(&partial).unwrap(), b"one and the end");
         assert_eq!(fs::read(&path).unwrap(), b"old");
+        file.write_secured(b"!", b"").unwrap();
+        assert_eq!(fs::read(&partial).unwrap(), b"one!");
+        file.write_secured(b"", b" and a long end").unwrap();
+        assert_eq!(fs::read(&partial).unwrap(), b"one! and a long end");
         file.write_all(b", two").unwrap();
         file.finish().unwrap();
-        assert_eq!(fs::read(&path).unwrap(), b"one, two");
+        assert_eq!(fs::read(&path).unwrap(), b"one!, two");
         assert_eq!(fs::metadata(&path).unwrap().permissions().mode() & 0o777, 0o640);
         assert!(!partial.exists());
     }

@@ -3,8 +3,9 @@
 use super::ReadError;
 use crate::volume::{Affine, Grid, ScalarType, Spacing, VolumeError};
 use std::fs::File;
-use std::io::Read;
+use std::io::{Read, Seek};
 use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// A supported file format.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -104,11 +105,45 @@ pub(crate) enum DataOffset {
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct VoxelData {
     pub(crate) path: PathBuf,
+    pub(crate) opened: OpenedFile,
     pub(crate) encoding: Encoding,
     pub(crate) offset: DataOffset,
     pub(crate) order: ByteOrder,
     /// value = slope * stored + intercept.
     pub(crate) scaling: Option<(f64, f64)>,
+}
+
+/// A file as it was opened for its header, if it was: the first reading of its voxels goes on with it, so that it is opened
+/// once, and header and voxels are the same file's whatever the name stands for by then.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct OpenedFile(Arc<Mutex<Option<File>>>);
+
+impl OpenedFile {
+    pub(crate) fn keep(file: File) -> Self {
+        Self(Arc::new(Mutex::new(Some(file))))
+    }
+
+    fn take(&self) -> Option<File> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).take()
+    }
+}
+
+/// Headers are equal whether their files are still open or not.
+impl PartialEq for OpenedFile {
+    fn eq(&self, _: &Self) -> bool {
+        true
+    }
+}
+
+impl VoxelData {
+    /// The file, at its beginning, and how many bytes it has.
+    pub(crate) fn file(&self) -> Result<(File, u64), ReadError> {
+        let Some(mut file) = self.opened.take() else { return open_file(&self.path) };
+        let failed = |e| ReadError::io(&self.path, e);
+        file.rewind().map_err(failed)?;
+        let bytes = file.metadata().map_err(failed)?.len();
+        Ok((file, bytes))
+    }
 }
 
 /// A header, whatever its format.

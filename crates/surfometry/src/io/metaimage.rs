@@ -4,7 +4,9 @@
 //! <https://itk.org/Wiki/ITK/MetaIO/Documentation>. World coordinates are LPS.
 
 use super::ReadError;
-use super::header::{ByteOrder, DataOffset, Encoding, Format, ImageHeader, VoxelData, three_dimensions};
+use super::header::{
+    ByteOrder, DataOffset, Encoding, Format, ImageHeader, OpenedFile, VoxelData, three_dimensions,
+};
 use super::text_header::{Lines, beside, mm_per, numbers};
 use crate::volume::{Affine, ScalarType};
 use std::collections::HashMap;
@@ -163,6 +165,7 @@ fn data(path: &Path, keys: &Keys, header_end: u64) -> Result<VoxelData, ReadErro
     let compressed = keys.flag("CompressedData")? == Some(true);
     Ok(VoxelData {
         path: if local { path.to_owned() } else { beside(path, file) },
+        opened: OpenedFile::default(),
         encoding: if compressed { Encoding::Zlib } else { Encoding::Raw },
         offset,
         order: if big { ByteOrder::Big } else { ByteOrder::Little },

@@ -7,11 +7,12 @@
 
 use super::ReadError;
 use super::header::{
-    ByteOrder, DataOffset, Encoding, Format, ImageHeader, VoxelData, open_file, three_dimensions,
+    ByteOrder, DataOffset, Encoding, Format, ImageHeader, OpenedFile, VoxelData, open_file, three_dimensions,
 };
 use crate::volume::{Affine, ScalarType};
 use flate2::read::{GzDecoder, MultiGzDecoder};
-use std::io::Read;
+use std::fs::File;
+use std::io::{Read, Seek};
 use std::path::{Path, PathBuf};
 
 const SIZE_1: i32 = 348;
@@ -30,21 +31,22 @@ fn error(reason: impl Into<String>) -> ReadError {
 /// Reads the header of a .nii, .nii.gz, .hdr or .img file.
 pub(super) fn read_header(path: &Path) -> Result<ImageHeader, ReadError> {
     let (header_path, data_path) = parts(path);
-    let (bytes, gzipped) = header_bytes(&header_path)?;
+    let (file, gzipped) = opened(&header_path)?;
+    let bytes = header_bytes(&file, gzipped)?;
     let fields = Fields::parse(&bytes)?;
     let dimensions = three_dimensions(&fields.dimensions)?;
     let affine = fields.affine();
     let single = fields.single_file;
     let offset = if single { fields.vox_offset.max(fields.header_size + 4) } else { fields.vox_offset };
     // Of a pair, header and image may be compressed apart.
-    let (data_path, data_gzipped) = if single {
-        (header_path, gzipped)
+    let (data_path, (data_file, data_gzipped)) = if single {
+        (header_path, (file, gzipped))
     } else {
         if gzipped {
-            compare_checksum(&header_path)?;
+            compare_checksum(file)?;
         }
-        let data_gzipped = is_gzip(&data_path)?;
-        (data_path, data_gzipped)
+        let data = opened(&data_path)?;
+        (data_path, data)
     };
     Ok(ImageHeader {
         format: Format::Nifti,
@@ -55,6 +57,7 @@ pub(super) fn read_header(path: &Path) -> Result<ImageHeader, ReadError> {
         other_spacing: fields.conflicting_spacing(affine.as_ref()),
         data: VoxelData {
             path: data_path,
+            opened: OpenedFile::keep(data_file),
             encoding: if data_gzipped { Encoding::Gzip } else { Encoding::Raw },
             offset: if data_gzipped { DataOffset::Decoded(offset) } else { DataOffset::Stored(offset) },
             order: fields.order,
@@ -82,13 +85,16 @@ fn parts(path: &Path) -> (PathBuf, PathBuf) {
     }
 }
 
-fn is_gzip(path: &Path) -> Result<bool, ReadError> {
-    Ok(super::header::read_start(path, 2)?.starts_with(&[0x1f, 0x8b]))
+/// A file, at its beginning, and whether it is compressed.
+fn opened(path: &Path) -> Result<(File, bool), ReadError> {
+    let (mut file, _) = open_file(path)?;
+    let mut magic = Vec::new();
+    let read = (&file).take(2).read_to_end(&mut magic).and_then(|_| file.rewind());
+    read.map_err(|e| ReadError::io(path, e))?;
+    Ok((file, magic == [0x1f, 0x8b]))
 }
 
-fn header_bytes(path: &Path) -> Result<(Vec<u8>, bool), ReadError> {
-    let gzipped = is_gzip(path)?;
-    let (file, _) = open_file(path)?;
+fn header_bytes(file: &File, gzipped: bool) -> Result<Vec<u8>, ReadError> {
     let reader: Box<dyn Read> = if gzipped { Box::new(MultiGzDecoder::new(file)) } else { Box::new(file) };
     let mut bytes = Vec::new();
     let outcome = reader.take(SIZE_2 as u64).read_to_end(&mut bytes);
@@ -99,13 +105,14 @@ fn header_bytes(path: &Path) -> Result<(Vec<u8>, bool), ReadError> {
             bytes.len()
         )));
     }
-    Ok((bytes, gzipped))
+    Ok(bytes)
 }
 
 /// Reads a compressed header to its end: that of a pair is not compared when the voxels are.
-fn compare_checksum(path: &Path) -> Result<(), ReadError> {
-    let (file, _) = open_file(path)?;
-    std::io::copy(&mut GzDecoder::new(file).take(LONGEST_HEADER), &mut std::io::sink())
+fn compare_checksum(mut file: File) -> Result<(), ReadError> {
+    let rewound = file.rewind();
+    rewound
+        .and_then(|()| std::io::copy(&mut GzDecoder::new(file).take(LONGEST_HEADER), &mut std::io::sink()))
         .map(drop)
         .map_err(|e| error(format!("{e}; copy or export the file again")))
 }

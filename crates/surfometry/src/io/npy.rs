@@ -4,7 +4,7 @@
 
 use super::ReadError;
 use super::header::{
-    ByteOrder, DataOffset, Encoding, Format, ImageHeader, VoxelData, open_file, three_dimensions,
+    ByteOrder, DataOffset, Encoding, Format, ImageHeader, OpenedFile, VoxelData, open_file, three_dimensions,
 };
 use crate::volume::ScalarType;
 use npyz::{DType, Endianness, NpyHeader, Order, TypeChar};
@@ -37,6 +37,7 @@ pub(super) fn read_header(path: &Path) -> Result<ImageHeader, ReadError> {
         other_spacing: None,
         data: VoxelData {
             path: path.to_owned(),
+            opened: OpenedFile::default(),
             encoding: Encoding::Raw,
             offset: DataOffset::Stored(offset),
             order,

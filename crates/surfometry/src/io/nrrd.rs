@@ -5,7 +5,8 @@
 
 use super::ReadError;
 use super::header::{
-    ByteOrder, DataOffset, Encoding, Format, ImageHeader, VoxelData, refuse_several, three_dimensions,
+    ByteOrder, DataOffset, Encoding, Format, ImageHeader, OpenedFile, VoxelData, refuse_several,
+    three_dimensions,
 };
 use super::text_header::{Lines, beside, mm_per, numbers};
 use crate::volume::{Affine, ScalarType};
@@ -237,5 +238,5 @@ fn data(path: &Path, fields: &Fields, scalar: ScalarType, header_end: u64) -> Re
         _ => return Err(error("no `endian: little` or `endian: big` for voxels of several bytes")),
     };
     let path = detached.map_or_else(|| path.to_owned(), |name| beside(path, name));
-    Ok(VoxelData { path, encoding, offset, order, scaling: None })
+    Ok(VoxelData { path, opened: OpenedFile::default(), encoding, offset, order, scaling: None })
 }

@@ -115,7 +115,7 @@ impl<'a> Labels<'a> {
         region: &IndexBox,
         reach: [i64; 3],
         selection: &LabelSelection,
-    ) -> BTreeMap<Vec<i64>, ObjectPart> {
+    ) -> BTreeMap<Vec<i64>, Box<ObjectPart>> {
         let known = region.grown(reach);
         let mut groups = self.groups(selection);
         for group in &mut groups {
@@ -125,10 +125,10 @@ impl<'a> Labels<'a> {
         let bound = BlurBound::of(setup);
         let part = |group: Group| {
             let part = self.part(setup, bound.as_ref(), &group, region);
-            (group.key, part)
+            (part != ObjectPart::default()).then(|| (group.key, Box::new(part)))
         };
-        let parts: Vec<_> = groups.into_par_iter().map(part).collect();
-        parts.into_iter().filter(|(_, part)| *part != ObjectPart::default()).collect()
+        let parts: Vec<_> = groups.into_par_iter().filter_map(part).collect();
+        parts.into_iter().collect()
     }
 
     fn part(&self, setup: &Setup, bound: Option<&BlurBound>, group: &Group, region: &IndexBox) -> ObjectPart {

@@ -63,7 +63,7 @@ struct Contents {
     labels: BTreeSet<i64>,
     /// By the labels of their group.
     #[serde(with = "crate::tiling::pairs")]
-    objects: BTreeMap<Vec<i64>, ObjectPart>,
+    objects: BTreeMap<Vec<i64>, Box<ObjectPart>>,
 }
 
 /// What a box of an image is measured over, and what must be known for it.
@@ -260,7 +260,7 @@ impl PartialMeasurement {
         }
         for (key, mut part) in other.objects {
             match all.objects.entry(key) {
-                Entry::Occupied(known) => known.into_mut().merge(part, cover.image(), &joint),
+                Entry::Occupied(known) => known.into_mut().merge(*part, cover.image(), &joint),
                 Entry::Vacant(free) => {
                     part.merge_nothing(cover.image(), &joint);
                     free.insert(part);
@@ -278,23 +278,31 @@ impl PartialMeasurement {
     /// [`MeasureError`] where boxes are missing, for a label that does not occur, or an image without foreground.
     pub fn results(&self) -> Result<Vec<(LabelGroup, Measured)>, MeasureError> {
         let Self(all) = self;
-        let missing = all.cover.missing();
-        if let Some(&first) = missing.first() {
-            let voxels = missing.iter().map(IndexBox::voxels).sum();
-            return Err(MeasureError::MissingBoxes { first, voxels });
-        }
-        let setup = all.measurement.setup_of_boxes(all.grid)?;
-        let groups = |groups: &Vec<Vec<i64>>| groups.iter().cloned().map(LabelGroup::united).collect();
-        let selection =
-            all.selection.as_ref().map_or(LabelSelection::All, |g| LabelSelection::Groups(groups(g)));
+        let (setup, groups) = all.complete()?;
         let nothing = ObjectPart::default();
         let measured = |group: LabelGroup| {
-            let part = all.objects.get(group.labels()).unwrap_or(&nothing);
+            let part = all.objects.get(group.labels()).map_or(&nothing, |part| part);
             let measured = setup.measured(&part.totals(&all.cover));
             (group, measured)
         };
-        let groups = selection.resolve_among(all.labels.iter().copied())?;
         Ok(groups.into_par_iter().map(measured).collect())
+    }
+
+    /// The same; what was known of an object goes as its result comes, for there may be a hundred thousand.
+    pub(super) fn into_results(self) -> Result<Vec<(LabelGroup, Measured)>, MeasureError> {
+        let (setup, groups) = self.0.complete()?;
+        if groups.iter().map(LabelGroup::labels).collect::<BTreeSet<_>>().len() < groups.len() {
+            return self.results();
+        }
+        let Contents { cover, mut objects, .. } = self.0;
+        let taken = groups.into_iter().map(|group| {
+            let part = objects.remove(group.labels()).unwrap_or_default();
+            (group, part)
+        });
+        let taken: Vec<(LabelGroup, Box<ObjectPart>)> = taken.collect();
+        let measured =
+            |(group, part): (LabelGroup, Box<ObjectPart>)| (group, setup.measured(&part.totals(&cover)));
+        Ok(taken.into_par_iter().map(measured).collect())
     }
 
     /// The boxes of the image that are known.
@@ -355,6 +363,20 @@ impl TryFrom<Contents> for PartialMeasurement {
 }
 
 impl Contents {
+    /// How the whole image is measured, and the objects that are selected in it.
+    fn complete(&self) -> Result<(Setup, Vec<LabelGroup>), MeasureError> {
+        let missing = self.cover.missing();
+        if let Some(&first) = missing.first() {
+            let voxels = missing.iter().map(IndexBox::voxels).sum();
+            return Err(MeasureError::MissingBoxes { first, voxels });
+        }
+        let setup = self.measurement.setup_of_boxes(self.grid)?;
+        let groups = |groups: &Vec<Vec<i64>>| groups.iter().cloned().map(LabelGroup::united).collect();
+        let selection =
+            self.selection.as_ref().map_or(LabelSelection::All, |g| LabelSelection::Groups(groups(g)));
+        Ok((setup, selection.resolve_among(self.labels.iter().copied())?))
+    }
+
     /// Whether two values may become one.
     fn check_alike(&self, other: &Self) -> Result<(), MergeError> {
         let same = |what, first: &dyn Debug, second: &dyn Debug| {

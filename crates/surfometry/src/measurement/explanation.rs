@@ -1,11 +1,11 @@
 //! Why voxels, mesh and band disagree about an object's topology, and where.
 
-use super::level_sets::LevelSets;
+use super::level_sets::{BandEnds, LevelSets};
 use super::{Measured, Object};
 use crate::accuracy::{FlagCode, decimals_for, place_text};
-use crate::tiling::WorkTime;
+use crate::tiling::{SparseField, WorkTime};
 use crate::topology::{ChangeKind, TopologyChange, timed_changes};
-use crate::volume::Grid;
+use crate::volume::{Grid, Mask};
 use serde::{Deserialize, Serialize};
 use std::fmt::Write;
 
@@ -75,8 +75,8 @@ pub struct TopologyExplanation {
     /// The changes: the blur's, then the band's.
     pub changes: Vec<LocatedChange>,
     /// What the band must see beyond the Euler characteristic of phi = 0: by the coarea formula it sees the mean of those of its levels,
-    /// weighted by the delta.
-    pub expected_in_band: f64,
+    /// weighted by the delta. `None` where only the blur was looked at.
+    pub expected_in_band: Option<f64>,
     /// The band voxel with the least gradient, where the integral of K is least certain.
     pub weakest: Option<WeakestGradient>,
 }
@@ -88,6 +88,14 @@ pub struct WeakestGradient {
     pub position_mm: [f64; 3],
     /// The gradient there as a share of the steepest of a flat surface.
     pub share: f64,
+}
+
+/// What of an object is compared: only its voxels with phi = 0, which takes no longer than measuring it, or also the levels of
+/// the band, whose voxels have their turn one after the other.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Looked {
+    Blur,
+    BlurAndBand,
 }
 
 /// Share of the band's levels below which a change inside it is not told.
@@ -102,68 +110,81 @@ impl Object {
     /// Memory follows the surface: some 16 bytes for each voxel of the band and each that the blur puts on the other side, and a few bits
     /// for each of the object's box.
     pub fn explain_topology(&self) -> Option<TopologyExplanation> {
-        self.explain_topology_of(usize::MAX, &WorkTime::default())
+        self.explain_topology_of(Looked::BlurAndBand, usize::MAX, &WorkTime::default())
     }
 
-    /// The same, with the time that it takes; `None` also where more than so many voxels of the band, or that the blur puts on the other
-    /// side, would have to be looked at.
-    pub(crate) fn explain_topology_of(&self, most: usize, time: &WorkTime) -> Option<TopologyExplanation> {
-        let steepest = self.setup.parameters.profile()?.slope(0.0).abs();
-        let LevelSets { inner, surface, outer, phi, weakest } = LevelSets::of(self, most, time)?;
+    /// The same, or only what the blur changed, with the time that it takes; `None` also where more than so many values of the
+    /// field would have to be kept: those of voxels that the blur puts on the other side, and those of the band.
+    pub(crate) fn explain_topology_of(
+        &self,
+        looked: Looked,
+        most: usize,
+        time: &WorkTime,
+    ) -> Option<TopologyExplanation> {
+        let LevelSets { surface, band, phi } =
+            LevelSets::of(self, looked == Looked::BlurAndBand, most, time)?;
         let from_surface = |voxel: [i64; 3]| phi.get(voxel).abs();
-        let (outwards, (inwards, blur)) = rayon::join(
-            || timed_changes(&surface, &outer, from_surface, time),
-            || {
-                rayon::join(
-                    || timed_changes(&surface, &inner, from_surface, time),
-                    // From far levels to 0: what is deepest on its new side first.
-                    || timed_changes(&self.mask, &surface, |voxel| -from_surface(voxel), time),
-                )
-            },
+        let (of_band, of_blur) = rayon::join(
+            || band.map(|ends| self.changes_in_band(&ends, &surface, &phi, time)),
+            // From far levels to 0: what is deepest on its new side first.
+            || timed_changes(&self.mask, &surface, |voxel| -from_surface(voxel), time),
         );
-        let located =
-            |stage, change: &TopologyChange, share| LocatedChange::new(stage, change, self.grid(), share);
-        let mut changes: Vec<LocatedChange> =
-            blur.iter().map(|change| located(ChangeStage::Blur, change, 1.0)).collect();
+        let of_blur = of_blur.iter().map(|change| self.located(ChangeStage::Blur, change, 1.0));
+        let mut changes: Vec<LocatedChange> = of_blur.collect();
+        let Some((of_band, weakest)) = of_band else {
+            return Some(TopologyExplanation { changes, expected_in_band: None, weakest: None });
+        };
+        let expected_in_band = Some(of_band.iter().map(LocatedChange::euler_characteristic).sum());
+        changes.extend(of_band);
+        Some(TopologyExplanation { changes, expected_in_band, weakest })
+    }
+
+    fn located(&self, stage: ChangeStage, change: &TopologyChange, share: f64) -> LocatedChange {
+        LocatedChange::new(stage, change, self.grid(), share)
+    }
+
+    /// What changes between the levels of the band, and where its field is flattest.
+    fn changes_in_band(
+        &self,
+        BandEnds { inner, outer, weakest }: &BandEnds,
+        surface: &Mask,
+        phi: &SparseField,
+        time: &WorkTime,
+    ) -> (Vec<LocatedChange>, Option<WeakestGradient>) {
+        let from_surface = |voxel: [i64; 3]| phi.get(voxel).abs();
+        let (outwards, inwards) = rayon::join(
+            || timed_changes(surface, outer, from_surface, time),
+            || timed_changes(surface, inner, from_surface, time),
+        );
         let passed = |change: &TopologyChange| self.delta().heaviside(f64::from(phi.get(change.voxel)));
-        changes.extend(inwards.iter().map(|change| located(ChangeStage::Band, change, passed(change))));
-        changes
-            .extend(outwards.iter().map(|change| located(ChangeStage::Band, change, 1.0 - passed(change))));
+        let located = |change, share| self.located(ChangeStage::Band, change, share);
+        let mut changes: Vec<LocatedChange> =
+            inwards.iter().map(|change| located(change, passed(change))).collect();
+        changes.extend(outwards.iter().map(|change| located(change, 1.0 - passed(change))));
         changes.retain(|change| change.share >= LEAST_SHARE);
-        let of_band = changes.iter().filter(|change| change.stage == ChangeStage::Band);
-        let expected_in_band = of_band.map(LocatedChange::euler_characteristic).sum();
+        let steepest = self.setup.parameters.profile().map_or(f64::NAN, |profile| profile.slope(0.0).abs());
         let weakest = weakest.map(|(voxel, gradient)| WeakestGradient {
             position_mm: self.grid().affine().apply(voxel.map(|v| v as f64)),
             share: gradient / steepest,
         });
-        Some(TopologyExplanation { changes, expected_in_band, weakest })
+        (changes, weakest)
     }
 }
 
 /// What a flag that tells of a disagreement about the topology ends with where its reasons were not looked for.
-pub const UNEXPLAINED: &str = ". Where was not looked into, for the object is large: ask for an explanation";
-
-/// Flags that tell of a disagreement about the topology.
-const DISAGREEMENTS: [FlagCode; 2] = [FlagCode::EulerNotInteger, FlagCode::EulerDiffersFromVoxels];
+pub const UNEXPLAINED: &str = ". Where was not looked into: ask for an explanation";
 
 impl Measured {
-    /// Whether voxels, mesh and band disagree about the topology.
-    pub fn topology_disagrees(&self) -> bool {
-        self.flags.iter().any(|flag| DISAGREEMENTS.contains(&flag.code))
-    }
-
-    /// About how many voxels the band has: its area times its thickness.
-    pub fn band_voxels(&self) -> usize {
-        let area = self.blurred.surface_area_mm2.unwrap_or_default();
-        (area * self.parameters.thickness_mm / self.grid.spacing_mm.iter().product::<f64>()) as usize
+    /// Whether phi = 0 and the voxels disagree about the topology: the blur changed it.
+    pub fn blur_changed_topology(&self) -> bool {
+        self.flags.iter().any(|flag| flag.code == FlagCode::EulerDiffersFromVoxels)
     }
 
     /// Says, in the flags that tell of a disagreement about the topology, that it was not looked for where it changed.
     pub fn leave_unexplained(&mut self) {
         for flag in &mut self.flags {
-            if DISAGREEMENTS.contains(&flag.code) {
-                flag.message +=
-                    ". Where was not looked into, for the object is large: ask for an explanation";
+            if matches!(flag.code, FlagCode::EulerDiffersFromVoxels | FlagCode::EulerNotInteger) {
+                flag.message += UNEXPLAINED;
             }
         }
     }
@@ -172,7 +193,7 @@ impl Measured {
     pub fn explain(&mut self, explanation: TopologyExplanation) {
         let mesh = self.topology.euler_characteristic_mesh.map(|chi| chi as f64);
         let TopologyExplanation { changes, expected_in_band, weakest } = explanation;
-        let expected = mesh.map(|mesh| mesh + expected_in_band);
+        let expected = mesh.zip(expected_in_band).map(|(mesh, in_band)| mesh + in_band);
         let finest = self.grid.spacing_mm.into_iter().fold(f64::INFINITY, f64::min);
         let found = |stage| {
             let of_stage: Vec<_> = changes.iter().filter(|change| change.stage == stage).collect();
@@ -183,6 +204,7 @@ impl Measured {
                 FlagCode::EulerDiffersFromVoxels => {
                     let _ = write!(flag.message, ". Blur: {}", found(ChangeStage::Blur));
                 }
+                FlagCode::EulerNotInteger if expected_in_band.is_none() => flag.message += UNEXPLAINED,
                 FlagCode::EulerNotInteger => {
                     let _ = write!(flag.message, ". Between the band's levels: {}", found(ChangeStage::Band));
                     if let Some((measured, expected)) = self.blurred.euler_characteristic.zip(expected) {
@@ -241,21 +263,28 @@ mod tests {
             Phantom::from_spec("phantom:genus?genus=1&major=3&minor=6").unwrap().labels().unwrap().mask(1);
         let object = Measurement::default().sigma_mm(5.0).prepare(&mask).unwrap();
         let mut measured = object.measure();
-        assert!(measured.topology_disagrees());
+        assert!(measured.blur_changed_topology());
         let time = WorkTime::default();
         let all = object.explain_topology().unwrap();
-        // The band has about as many voxels as is said, and few others differ.
-        let band = measured.band_voxels();
-        assert!(object.explain_topology_of(band / 2, &time).is_none());
-        assert_eq!(object.explain_topology_of(band * 4, &time).unwrap(), all);
+        let of_blur = object.explain_topology_of(Looked::Blur, usize::MAX, &time).unwrap();
         assert!(time.total().as_nanos() > 0);
+        // The hole is the blur's; what the band adds is left out, and said so.
+        assert_eq!(of_blur.changes, all.changes[..of_blur.changes.len()]);
+        assert!(all.changes[of_blur.changes.len()..].iter().all(|change| change.stage == ChangeStage::Band));
+        assert_eq!((of_blur.expected_in_band, of_blur.weakest), (None, None));
+        // Few voxels are on the other side of the blur, and many in the band.
+        assert!(object.explain_topology_of(Looked::Blur, 10, &time).is_none());
+        assert!(object.explain_topology_of(Looked::BlurAndBand, 2_000, &time).is_none());
+        assert!(object.explain_topology_of(Looked::Blur, 2_000, &time).is_some());
+        let unexplained = |measured: &Measured, code| {
+            measured.flags.iter().find(|f| f.code == code).is_none_or(|f| f.message.ends_with(UNEXPLAINED))
+        };
+        let mut of_blur_only = measured.clone();
+        of_blur_only.explain(of_blur);
+        assert!(unexplained(&of_blur_only, FlagCode::EulerNotInteger));
+        assert!(!unexplained(&of_blur_only, FlagCode::EulerDiffersFromVoxels));
         measured.leave_unexplained();
         assert!(measured.topology.changes.is_none());
-        assert!(
-            measured
-                .flags
-                .iter()
-                .all(|f| f.message.ends_with(UNEXPLAINED) == DISAGREEMENTS.contains(&f.code))
-        );
+        assert!(unexplained(&measured, FlagCode::EulerDiffersFromVoxels));
     }
 }

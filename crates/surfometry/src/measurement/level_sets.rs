@@ -9,13 +9,18 @@ use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 
-/// The solids inside three levels of the field: the band's inner end, 0, the band's outer end. Of the field itself only what lies between
-/// any two of them and the voxels is kept.
+/// The solids inside levels of the field: 0, and both ends of the band where they are asked for. Of the field itself only what
+/// lies between any two of them and the voxels is kept.
 pub(super) struct LevelSets {
-    pub(super) inner: Mask,
     pub(super) surface: Mask,
-    pub(super) outer: Mask,
+    pub(super) band: Option<BandEnds>,
     pub(super) phi: SparseField,
+}
+
+/// The solids inside the ends of a band.
+pub(super) struct BandEnds {
+    pub(super) inner: Mask,
+    pub(super) outer: Mask,
     /// Where in the band the field's gradient, by central differences, is least, and what it is there.
     pub(super) weakest: Option<([i64; 3], f64)>,
 }
@@ -28,6 +33,9 @@ struct Walk<'a> {
     /// Where there may be a band.
     limits: IndexBox,
     half_width: f64,
+    /// Whether the ends of the band are wanted.
+    band: bool,
+    /// Inside the band's inner end, 0, the outer end; only that of 0 is filled where no band is wanted.
     solids: Mutex<[Mask; 3]>,
     most: usize,
     kept: AtomicUsize,
@@ -39,19 +47,25 @@ type TileFound = (SparseTile, Option<(f64, [i64; 3])>);
 impl LevelSets {
     /// Of an object whose field is a blur; `None` where more than so many of the field's values would have to be kept, or it
     /// was stopped. In parallel over tiles.
-    pub(super) fn of(object: &Object, most: usize, time: &WorkTime) -> Option<Self> {
+    pub(super) fn of(object: &Object, band: bool, most: usize, time: &WorkTime) -> Option<Self> {
         let scheme = object.scheme()?;
         let half_width = object.delta().half_width();
         let limits = scheme.limits(half_width);
         let mut region = limits;
         region.lower[0] = region.lower[0].div_euclid(TILE[0]) * TILE[0];
-        let solids = || Mask::cleared(*object.grid(), region);
+        let solids = |wanted| {
+            Mask::cleared(
+                *object.grid(),
+                if wanted { region } else { IndexBox { upper: region.lower, ..region } },
+            )
+        };
         let walk = Walk {
             object,
             mask: time.of(|| object.mask.on_bounds(region)),
             limits,
             half_width,
-            solids: Mutex::new([solids(), solids(), solids()]),
+            band,
+            solids: Mutex::new([solids(band), solids(true), solids(band)]),
             most,
             kept: AtomicUsize::new(0),
         };
@@ -65,7 +79,8 @@ impl LevelSets {
         let weakest = weakest.into_iter().flatten().min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         let [inner, surface, outer] = walk.solids.into_inner().unwrap_or_else(PoisonError::into_inner);
         let weakest = weakest.map(|(squared, [z, y, x])| ([x, y, z], squared.sqrt()));
-        Some(Self { inner, surface, outer, phi: SparseField::of_tiles(&limits, tiles), weakest })
+        let band = band.then_some(BandEnds { inner, outer, weakest });
+        Some(Self { surface, band, phi: SparseField::of_tiles(&limits, tiles) })
     }
 }
 
@@ -106,9 +121,10 @@ impl Walk<'_> {
             });
             let [inner, surface, outer] = levels;
             let at = |bit: u32| start + bit as usize - first_bit as usize;
-            let marks = (self.mask.word([tile.lower[0], y, z]) ^ surface) | (outer & !inner);
+            let in_band = if self.band { outer & !inner } else { 0 };
+            let marks = (self.mask.word([tile.lower[0], y, z]) ^ surface) | in_band;
             kept.push_row(marks, ones(marks).map(|bit| value(at(bit))));
-            for bit in ones(outer & !inner) {
+            for bit in ones(in_band) {
                 let voxel = [tile.lower[0] - first_bit + i64::from(bit), y, z];
                 if f64::from(value(at(bit))).abs() < self.half_width && inner_voxels.contains(voxel) {
                     let squared = squared(at(bit));
@@ -138,8 +154,8 @@ impl Walk<'_> {
     fn fill(&self, tile: &IndexBox, rows: &[[u64; 3]]) {
         let mut solids = self.solids.lock().unwrap_or_else(PoisonError::into_inner);
         for ((y, z), words) in tile.rows().zip(rows) {
-            for (solid, &word) in solids.iter_mut().zip(words) {
-                solid.set_word([tile.lower[0], y, z], word);
+            for level in if self.band { 0..3 } else { 1..2 } {
+                solids[level].set_word([tile.lower[0], y, z], words[level]);
             }
         }
     }

@@ -20,6 +20,7 @@ mod voxels;
 
 pub use boxes::{BoxShare, DecodeError, MergeError, PartialMeasurement};
 pub use clip::{Clip, ClipSummary};
+pub(crate) use explanation::Looked;
 pub use explanation::{ChangeStage, LocatedChange, TopologyExplanation, UNEXPLAINED, WeakestGradient};
 pub use local_curvature::CurvatureScale;
 pub use object::Object;

@@ -115,7 +115,7 @@ impl Measurement {
             }
         }
         Ok(Streamed {
-            results: stream.sum.results()?,
+            results: stream.sum.into_results()?,
             source_seconds: source.as_secs_f64(),
             encode_seconds: encode.as_secs_f64(),
         })

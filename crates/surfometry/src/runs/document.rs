@@ -1,9 +1,11 @@
 //! Results as documents, written while they come.
 
-use super::{Failure, Sink, flatten};
+use super::flatten::each_field;
+use super::{Failure, Sink};
 use crate::io::ResultOutput;
 use serde::Serialize;
 use serde_json::{Value, json};
+use std::collections::HashMap;
 use std::io::{self, Write};
 use std::marker::PhantomData;
 
@@ -116,7 +118,8 @@ impl<R: Row> Sink<R> for JsonLinesSink<R> {
 /// A table with a header: nested fields flattened, failed inputs as rows with an `error`.
 pub struct CsvSink<R> {
     out: csv::Writer<ResultOutput>,
-    columns: Vec<String>,
+    /// Where each column is.
+    columns: HashMap<String, usize>,
     of: PhantomData<fn(R)>,
 }
 
@@ -130,6 +133,7 @@ impl<R: Row> CsvSink<R> {
         columns.push("error".to_owned());
         let mut out = csv::Writer::from_writer(out);
         out.write_record(&columns)?;
+        let columns = columns.into_iter().enumerate().map(|(place, name)| (name, place)).collect();
         Ok(Self { out, columns, of: PhantomData })
     }
 
@@ -141,9 +145,13 @@ impl<R: Row> CsvSink<R> {
         self.out.into_inner().map_err(csv::IntoInnerError::into_error)
     }
 
-    fn write(&mut self, record: &Value) -> io::Result<()> {
-        let row = flatten(record);
-        let cells = self.columns.iter().map(|column| row.get(column).map_or_else(String::new, cell));
+    fn write(&mut self, record: Value) -> io::Result<()> {
+        let mut cells = vec![String::new(); self.columns.len()];
+        each_field(&mut String::new(), record, &mut |name, value| {
+            if let Some(&place) = self.columns.get(name) {
+                cells[place] = cell(value);
+            }
+        });
         self.out.write_record(cells)?;
         self.out.flush()
     }
@@ -151,18 +159,18 @@ impl<R: Row> CsvSink<R> {
 
 impl<R: Row> Sink<R> for CsvSink<R> {
     fn row(&mut self, row: R) -> io::Result<()> {
-        self.write(&serde_json::to_value(row)?)
+        self.write(serde_json::to_value(row)?)
     }
 
     fn failure(&mut self, failure: Failure) -> io::Result<()> {
-        self.write(&serde_json::to_value(failure)?)
+        self.write(serde_json::to_value(failure)?)
     }
 }
 
-fn cell(value: &Value) -> String {
+fn cell(value: Value) -> String {
     match value {
         Value::Null => String::new(),
-        Value::String(text) => text.clone(),
+        Value::String(text) => text,
         other => other.to_string(),
     }
 }

@@ -10,27 +10,38 @@ const ENDS: [&str; 2] = ["min", "max"];
 /// topology as their kinds, joined by `;`.
 pub fn flatten(record: &Value) -> Map<String, Value> {
     let mut row = Map::new();
-    add(&mut row, "", record);
+    each_field(&mut String::new(), record.clone(), &mut |key, value| {
+        row.insert(key.to_owned(), value);
+    });
     row
 }
 
-fn add(row: &mut Map<String, Value>, key: &str, value: &Value) {
-    let join = |part: &str| if key.is_empty() { part.to_owned() } else { format!("{key}_{part}") };
+/// Every value of a record with the name that [`flatten`] gives it. The name is built in place: tables have a hundred columns
+/// and many rows.
+pub(super) fn each_field(key: &mut String, value: Value, take: &mut impl FnMut(&str, Value)) {
     match value {
-        Value::Object(fields) => fields.iter().for_each(|(name, v)| add(row, &join(name), v)),
+        Value::Object(fields) => fields.into_iter().for_each(|(name, value)| part(key, &name, value, take)),
         Value::Array(list) if key == "flags" || list.iter().any(Value::is_object) => {
             let code = |entry: &Value| entry["code"].as_str().or(entry["kind"].as_str()).map(str::to_owned);
             let codes: Vec<String> = list.iter().filter_map(code).collect();
-            row.insert(key.to_owned(), codes.join(";").into());
+            take(key, codes.join(";").into());
         }
         Value::Array(list) => {
             let names: &[&str] = if list.iter().any(Value::is_array) { &ENDS } else { &AXES };
-            list.iter().zip(names).for_each(|(v, name)| add(row, &join(name), v));
+            list.into_iter().zip(names).for_each(|(value, name)| part(key, name, value, take));
         }
-        plain => {
-            row.insert(key.to_owned(), plain.clone());
-        }
+        plain => take(key, plain),
     }
+}
+
+fn part(key: &mut String, name: &str, value: Value, take: &mut impl FnMut(&str, Value)) {
+    let length = key.len();
+    if length > 0 {
+        key.push('_');
+    }
+    key.push_str(name);
+    each_field(key, value, take);
+    key.truncate(length);
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! Objects to records.
 
 use super::ExplainTopology;
-use super::object::{explain_topology, most_explained};
+use super::object::{explain_topology, what_is_explained};
 use super::reading::Watched;
 use super::{Item, Opened, Plan, Reading, Record, RunError, Task};
 use crate::inputs::open;
@@ -87,6 +87,10 @@ impl MeasureTask {
         control.check()?;
         let file = crate::volume::SlabReader::file_time(&slabs).as_secs_f64();
         let read = streamed.source_seconds + streamed.encode_seconds;
+        let mut results = streamed.results;
+        self.explain(input, &mut results)?;
+        let stages = results.iter().fold(StageSeconds::default(), |sum, (_, m)| sum.plus(&m.timings));
+        self.tell_timings(input, [file, read - file], &stages);
         let (flags, truth, names) = (source.flags(), source.truth(), source.label_names());
         let record = |(label, mut measured): (LabelGroup, Measured)| {
             measured.flags.splice(0..0, flags.iter().cloned());
@@ -102,22 +106,16 @@ impl MeasureTask {
                 measured,
             }
         };
-        let mut records: Vec<Record> = streamed.results.into_iter().map(record).collect();
-        self.explain(input, &mut records)?;
-        let stages =
-            records.iter().fold(StageSeconds::default(), |sum, record| sum.plus(&record.measured.timings));
-        self.tell_timings(input, [file, read - file], &stages);
-        for record in records {
-            out(Item::Row(record));
-        }
+        // One after the other, for there may be a hundred thousand.
+        results.into_iter().for_each(|result| out(Item::Row(record(result))));
         Ok(())
     }
 
     /// Where voxels, mesh and band disagree, the input is read again to see why.
-    fn explain(&self, input: &Opened, records: &mut [Record]) -> Result<(), RunError> {
+    fn explain(&self, input: &Opened, results: &mut [(LabelGroup, Measured)]) -> Result<(), RunError> {
         let mut reading = None;
-        for (number, Record { measured, .. }) in records.iter_mut().enumerate() {
-            let Some(most) = most_explained(measured, self.plan.explain_topology) else { continue };
+        for (number, (_, measured)) in results.iter_mut().enumerate() {
+            let Some(looked) = what_is_explained(measured, self.plan.explain_topology) else { continue };
             let start = Instant::now();
             let reading = match &reading {
                 Some(reading) => reading,
@@ -126,7 +124,7 @@ impl MeasureTask {
             let objects = reading.objects_at(number, &self.plan);
             measured.timings.read_again = start.elapsed().as_secs_f64();
             for object in objects {
-                explain_topology(&object?.object, measured, most);
+                explain_topology(&object?.object, measured, looked);
             }
             input.control.check()?;
         }

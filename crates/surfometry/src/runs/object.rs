@@ -3,7 +3,7 @@
 use super::{ExplainTopology, Failure, Plan, Record};
 use crate::accuracy::Flag;
 use crate::inputs::input_title;
-use crate::measurement::{Measured, Object};
+use crate::measurement::{Looked, Measured, Object};
 use crate::phantoms::Truth;
 use crate::surface::Surface;
 use crate::tiling::WorkTime;
@@ -83,8 +83,8 @@ impl InputObject {
     /// Measures it.
     pub fn record(&self) -> Record {
         let mut measured = self.object.measure();
-        if let Some(most) = most_explained(&mut measured, self.facts.explain) {
-            explain_topology(&self.object, &mut measured, most);
+        if let Some(looked) = what_is_explained(&mut measured, self.facts.explain) {
+            explain_topology(&self.object, &mut measured, looked);
         }
         measured.flags.splice(0..0, self.facts.flags.iter().cloned());
         Record {
@@ -101,32 +101,36 @@ impl InputObject {
     }
 }
 
-/// Voxels of the band, and others that the blur puts on the other side, up to which a disagreement about an object's
-/// topology is looked into without being asked. They have their turn one after the other, so that more threads help
-/// little: a second, and 16 bytes a voxel.
-const MOST_EXPLAINED: usize = 1 << 22;
-
-/// Up to how many such voxels it is looked into where an object's topology changes. `None` where it is not; of an object
-/// that is too large for it, the flags say so.
-pub(super) fn most_explained(measured: &mut Measured, when: ExplainTopology) -> Option<usize> {
-    let most = match when {
-        // The voxels' topology is that of the whole object, not of the part between the cuts.
-        _ if measured.clip.is_some() || !measured.parameters.embedding.is_blur() => None,
-        ExplainTopology::Never => None,
-        ExplainTopology::Disagreements => measured.topology_disagrees().then_some(MOST_EXPLAINED),
-        ExplainTopology::Always => Some(usize::MAX),
-    }?;
-    if measured.band_voxels() > most {
-        measured.leave_unexplained();
-        return None;
-    }
-    Some(most)
+/// Voxels that the blur puts on the other side up to which they are looked at without being asked: a share of the band's, so that
+/// it takes no longer than measuring them did; a few in any case, and 16 bytes each at most.
+fn most_explained(measured: &Measured) -> usize {
+    let area = measured.blurred.surface_area_mm2.unwrap_or_default();
+    let band = area * measured.parameters.thickness_mm / measured.grid.spacing_mm.iter().product::<f64>();
+    ((band / 16.0) as usize).clamp(1 << 14, 1 << 22)
 }
 
-/// Says where the topology changed, or, of an object that is too large for that, that it was not looked into.
-pub(super) fn explain_topology(object: &Object, measured: &mut Measured, most: usize) {
+/// What is looked at where an object's topology changes. `None` where nothing is; the flags say so.
+pub(super) fn what_is_explained(measured: &mut Measured, when: ExplainTopology) -> Option<Looked> {
+    // The voxels' topology is that of the whole object, not of the part between the cuts.
+    if measured.clip.is_some() || !measured.parameters.embedding.is_blur() {
+        return None;
+    }
+    match when {
+        ExplainTopology::Never => None,
+        ExplainTopology::Disagreements if measured.blur_changed_topology() => Some(Looked::Blur),
+        ExplainTopology::Disagreements => {
+            measured.leave_unexplained();
+            None
+        }
+        ExplainTopology::Always => Some(Looked::BlurAndBand),
+    }
+}
+
+/// Says where the topology changed, or, where too many voxels would have to be looked at, that it was not looked into.
+pub(super) fn explain_topology(object: &Object, measured: &mut Measured, looked: Looked) {
+    let most = if looked == Looked::Blur { most_explained(measured) } else { usize::MAX };
     let time = WorkTime::default();
-    match object.explain_topology_of(most, &time) {
+    match object.explain_topology_of(looked, most, &time) {
         Some(explanation) => measured.explain(explanation),
         None => measured.leave_unexplained(),
     }

@@ -33,10 +33,11 @@ pub struct Plan {
 pub enum ExplainTopology {
     /// Never.
     Never,
-    /// Where voxels, mesh and band disagree, unless the object is very large (2^22 voxels in its band).
+    /// What the blur changed, where its surface and the voxels disagree: that takes no longer than measuring. Not where it puts
+    /// more voxels on the other side than a sixteenth of the band's, or 2^22.
     #[default]
     Disagreements,
-    /// Always.
+    /// Always, and what the band changes too: that may take several times as long as measuring.
     Always,
 }
 
