@@ -7,6 +7,7 @@ mod inputs;
 mod options;
 mod output;
 mod picture_options;
+mod values;
 
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;

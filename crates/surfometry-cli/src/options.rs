@@ -1,6 +1,6 @@
 //! Options of a measurement, as typed, and what they mean.
 
-use crate::picture_options::one_of;
+use crate::values::{number, one_of, positive};
 use anyhow::Result;
 use clap::{Args, ValueEnum};
 use std::ffi::OsStr;
@@ -188,19 +188,6 @@ impl MeasureOptions {
     pub(crate) fn sigma_is_automatic(&self) -> bool {
         let explicit = matches!(self.sigma, Some(Length::Mm(_)));
         self.embedding.is_blur() && !explicit && !(self.paper && self.sigma.is_none())
-    }
-}
-
-fn number(text: &str) -> Result<f64, String> {
-    text.trim().parse().map_err(|_| format!("`{text}` is not a number"))
-}
-
-pub(crate) fn positive(text: &str) -> Result<f64, String> {
-    let value = number(text)?;
-    if value.is_finite() && value > 0.0 {
-        Ok(value)
-    } else {
-        Err("it must be positive and finite".to_owned())
     }
 }
 

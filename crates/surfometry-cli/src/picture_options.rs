@@ -1,9 +1,7 @@
 //! Options of pictures and colours, as typed, and what they mean.
 
-use crate::options::positive;
+use crate::values::{one_of, positive};
 use clap::Args;
-use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
-use surfometry::Choice;
 use surfometry::pictures::{PictureKind, PictureStyle, View};
 use surfometry::runs::MapStyle;
 use surfometry::surface::LocalQuantity;
@@ -54,10 +52,4 @@ pub(crate) fn distinct<T: Copy + PartialEq>(values: &[T]) -> Vec<T> {
         }
     }
     kept
-}
-
-/// Parses one of the library's named values, and lists them in help and errors.
-pub(crate) fn one_of<T: Choice>() -> impl TypedValueParser<Value = T> {
-    let values = T::ALL.iter().map(|choice| PossibleValue::new(choice.word()).help(choice.meaning()));
-    PossibleValuesParser::new(values).map(|text| T::of_word(&text).expect("the parser let it pass"))
 }

@@ -2,8 +2,8 @@
 
 use super::ALL_DONE;
 use crate::console::progress_bar;
-use crate::options::positive;
 use crate::output::{check_output, deliver, json_text, validation_table};
+use crate::values::positive;
 use anyhow::{Result, bail};
 use clap::ValueEnum;
 use serde_json::json;

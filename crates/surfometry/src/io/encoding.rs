@@ -3,37 +3,15 @@
 use super::ReadError;
 use super::header::{DataOffset, Encoding, VoxelData};
 use super::members::Members;
+use super::timed_file::Timed;
 use bzip2::bufread::BzDecoder;
 use flate2::bufread::{GzDecoder, ZlibDecoder};
-use std::fs::File;
 use std::io::{self, BufReader, Read, Seek, SeekFrom};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicU64, Ordering};
-use std::time::Instant;
+use std::sync::atomic::AtomicU64;
 
 /// Reads ahead in pieces that keep system calls few.
 const BUFFER: usize = 1 << 18;
-
-/// A file that adds up how long reading it takes.
-pub(super) struct Timed {
-    file: File,
-    nanoseconds: Arc<AtomicU64>,
-}
-
-impl Read for Timed {
-    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
-        let start = Instant::now();
-        let outcome = self.file.read(buffer);
-        self.nanoseconds.fetch_add(start.elapsed().as_nanos() as u64, Ordering::Relaxed);
-        outcome
-    }
-}
-
-impl Seek for Timed {
-    fn seek(&mut self, position: SeekFrom) -> io::Result<u64> {
-        self.file.seek(position)
-    }
-}
 
 /// Opens voxel data, positioned at the first voxel. `bytes` is how many the header promises: raw data are checked
 /// against the file's size before anything is read. `spent` adds up the nanoseconds that the file itself takes.
@@ -54,7 +32,7 @@ pub(crate) fn open(
         return Err(ReadError::Truncated { found: available, expected: bytes });
     }
     file.seek(SeekFrom::Start(start)).map_err(io_error)?;
-    let stored = BufReader::with_capacity(BUFFER, Timed { file, nanoseconds: Arc::clone(spent) });
+    let stored = BufReader::with_capacity(BUFFER, Timed::new(file, spent));
     let mut decoded: Box<dyn Read + Send> = match data.encoding {
         Encoding::Raw => Box::new(stored),
         Encoding::Gzip => Box::new(Members::<GzDecoder<_>>::new(stored)),

@@ -92,4 +92,8 @@ impl ReadError {
     pub(crate) fn io(path: &std::path::Path, source: io::Error) -> Self {
         Self::Io { path: path.to_owned(), source }
     }
+
+    pub(super) fn damaged_mesh(format: &'static str, reason: &impl std::fmt::Display) -> Self {
+        Self::Header { format, reason: format!("{reason}; export the mesh again") }
+    }
 }

@@ -1,6 +1,6 @@
 //! Compressed streams one after another, as gzip and bzip2 files may hold them.
 
-use super::encoding::Timed;
+use super::timed_file::Timed;
 use bzip2::bufread::BzDecoder;
 use flate2::bufread::GzDecoder;
 use std::io::{self, BufRead, BufReader, Read};

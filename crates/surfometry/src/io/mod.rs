@@ -12,6 +12,7 @@ mod nifti_writer;
 mod npy;
 mod nrrd;
 mod text_header;
+mod timed_file;
 mod voxel_stream;
 mod whole_file;
 

@@ -1,6 +1,5 @@
 //! How far a blur can spread an object, known without blurring it.
 
-use super::scheme::truncation_of;
 use super::setup::Setup;
 use crate::embedding::GaussianKernel;
 use crate::surface::cells_around;
@@ -62,7 +61,7 @@ impl BlurBound {
     /// `None` without a blur.
     pub(super) fn of(setup: &Setup) -> Option<Self> {
         let sigma = setup.parameters.sigma_mm?;
-        let axis = |spacing| Axis::new(sigma, spacing, truncation_of(setup));
+        let axis = |spacing| Axis::new(sigma, spacing, setup.truncation());
         Some(Self {
             weight: setup.parameters.embedding.profile(sigma).terms()[0].0,
             axes: setup.grid.spacing().mm().map(axis),

@@ -1,9 +1,10 @@
 //! What one box of an image adds to the measurement of each object.
 
 use super::blur_bound::BlurBound;
+use super::evaluation::Totals;
 use super::pass::{ObjectSums, Pass};
 use super::scheme::Scheme;
-use super::setup::{Setup, Totals};
+use super::setup::Setup;
 use super::voxels::VoxelCounts;
 use crate::tiling::{Cover, IndexBox, Joint};
 use crate::topology::BoxTopology;

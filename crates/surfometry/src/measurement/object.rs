@@ -1,9 +1,10 @@
 //! One object, ready for whatever is asked of it.
 
 use super::clip::MeasuredPart;
+use super::evaluation::{OpenPart, Totals};
 use super::pass::{ObjectSums, Pass};
 use super::scheme::Scheme;
-use super::setup::{OpenPart, Setup, Totals};
+use super::setup::Setup;
 use super::voxels::VoxelCounts;
 use super::{EmbeddingKind, MeasureError, Measured, Measurement, Parameters, SurfaceValues};
 use crate::Control;

@@ -4,9 +4,7 @@ use super::blur_bound::BlurBound;
 use super::pass::{ObjectSums, Pass};
 use super::setup::Setup;
 use super::{Derivatives, EmbeddingKind, MeasureError, Parameters};
-use crate::embedding::{
-    DistanceEmbedding, Embedding, GaussianEmbedding, Indicator, TRUNCATION, TRUNCATION_OF_BLUR,
-};
+use crate::embedding::{DistanceEmbedding, Embedding, GaussianEmbedding, Indicator};
 use crate::integrals::Band;
 use crate::local_geometry::{
     BandVoxel, Differentiation, FiniteDifferences, GaussianDerivatives, Jet, MatchedDifferences,
@@ -84,7 +82,7 @@ impl<'a> Scheme<'a> {
     /// Of whatever is blurred; `None` of an embedding without a blur.
     pub(super) fn of_blur(setup: &Setup, indicator: &'a dyn Indicator) -> Option<Self> {
         let profile = setup.parameters.profile()?;
-        let (level, truncation) = (setup.parameters.level_or_half(), truncation_of(setup));
+        let (level, truncation) = (setup.parameters.level_or_half(), setup.truncation());
         let embedding = GaussianEmbedding::of_profile(indicator, &profile, level, truncation);
         Some(match setup.parameters.derivatives {
             Derivatives::Gaussian => Self::Gaussian(GaussianDerivatives::new(embedding)),
@@ -138,13 +136,6 @@ impl<'a> Scheme<'a> {
     pub(super) fn jets(&self, points: &[[f64; 3]]) -> Vec<Jet> {
         with_scheme!(self, s => s.jets(points))
     }
-}
-
-pub(super) fn truncation_of(setup: &Setup) -> f64 {
-    setup.measurement.truncation.unwrap_or(match setup.parameters.derivatives {
-        Derivatives::Matched => TRUNCATION_OF_BLUR,
-        Derivatives::Gaussian | Derivatives::FiniteDifference => TRUNCATION,
-    })
 }
 
 /// Whether a blur may leave something of an object in a box, of which `total` adds up its voxels; one that reaches over too many voxels is refused.

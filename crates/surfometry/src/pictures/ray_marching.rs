@@ -7,14 +7,24 @@ use super::color_scale::ColorScale;
 use super::dense_field::{DenseField, EmptyBricks};
 use super::raster::{Background, Light, LinearTable, Raster};
 use super::shading::brightness;
-use super::volume_rendering::VolumeRendering;
 use crate::integrals::SmearedDelta;
+use crate::volume::Affine;
 
 /// Light that still comes through when a ray ends, and density that is too thin to see.
 const SPENT: f32 = 0.003;
 const CLEAR: f64 = 0.001;
 /// Colours in the transfer function's table.
 const COLORS: usize = 1024;
+
+/// What rays go through: a field, and the values that colour it.
+pub(crate) struct Medium<'a> {
+    pub(crate) dimensions: [usize; 3],
+    pub(crate) affine: Affine,
+    pub(crate) phi: &'a [f32],
+    pub(crate) values: &'a [f32],
+    pub(crate) delta: SmearedDelta,
+    pub(crate) scale: ColorScale,
+}
 
 /// A volume made ready for rays.
 pub(crate) struct Marcher<'a> {
@@ -36,7 +46,7 @@ pub(crate) struct Marcher<'a> {
 
 impl<'a> Marcher<'a> {
     /// None where the affine cannot be inverted. The volume has as many values as voxels.
-    pub(crate) fn new(volume: &VolumeRendering<'a>) -> Option<Self> {
+    pub(crate) fn new(volume: &Medium<'a>) -> Option<Self> {
         let linear = LinearTable::new();
         let smallest = volume.affine.column_lengths().into_iter().fold(f64::INFINITY, f64::min);
         Some(Self {

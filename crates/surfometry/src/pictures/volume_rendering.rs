@@ -10,7 +10,7 @@ use super::figure::Figure;
 use super::frame::Frame;
 use super::quantity::Quantity;
 use super::raster::{Background, Raster};
-use super::ray_marching::Marcher;
+use super::ray_marching::{Marcher, Medium};
 use super::view::View;
 use super::view_panels::compose_views;
 use crate::integrals::SmearedDelta;
@@ -77,7 +77,9 @@ impl VolumeRendering<'_> {
         if let Some(found) = [self.phi.len(), self.values.len()].into_iter().find(|n| *n != expected) {
             return Err(PictureError::Values { expected, found });
         }
-        Marcher::new(self).ok_or(PictureError::SingularAffine)
+        let Self { dimensions, affine, phi, values, delta, scale, .. } = *self;
+        Marcher::new(&Medium { dimensions, affine, phi, values, delta, scale })
+            .ok_or(PictureError::SingularAffine)
     }
 
     fn valid_values(&self) -> impl Iterator<Item = f64> {

@@ -2,13 +2,12 @@
 
 use super::ExplainTopology;
 use super::object::{explain_topology, what_is_explained};
-use super::reading::Watched;
+use super::reading::{Watched, name_of};
 use super::{Item, Opened, Plan, Reading, Record, RunError, Task};
 use crate::inputs::open;
 use crate::measurement::{Measured, StageSeconds};
 use crate::volume::LabelGroup;
 use crate::{Control, Event};
-use std::collections::BTreeMap;
 use std::time::Instant;
 
 /// Measures every selected object of an input; a record an object.
@@ -165,12 +164,4 @@ pub fn records_of(input: &str, plan: &Plan) -> Result<Vec<Record>, RunError> {
         }
     })?;
     Ok(records)
-}
-
-/// The name of a label that is an object by itself.
-pub(super) fn name_of(names: &BTreeMap<i64, String>, label: &LabelGroup) -> Option<String> {
-    match label.labels() {
-        [label] => names.get(label).cloned(),
-        _ => None,
-    }
 }

@@ -106,7 +106,7 @@ impl InputObject {
 fn most_explained(measured: &Measured) -> usize {
     let area = measured.blurred.surface_area_mm2.unwrap_or_default();
     let band = area * measured.parameters.thickness_mm / measured.grid.spacing_mm.iter().product::<f64>();
-    ((band / 16.0) as usize).clamp(1 << 14, 1 << 22)
+    ((band / 8.0) as usize).clamp(1 << 14, 1 << 22)
 }
 
 /// What is looked at where an object's topology changes. `None` where nothing is; the flags say so.

@@ -1,6 +1,5 @@
 //! An input that was read as a whole: one reading serves all that is asked of it.
 
-use super::measure::name_of;
 use super::object::InputFacts;
 use super::{InputObject, Opened, Plan, RunError};
 use crate::inputs::{InputError, Source};
@@ -221,5 +220,13 @@ impl<R: SlabReader<Error = InputError>> SlabReader for Watched<'_, R> {
 
     fn file_time(&self) -> Duration {
         self.slabs.file_time()
+    }
+}
+
+/// The name of a label that is an object by itself.
+pub(super) fn name_of(names: &BTreeMap<i64, String>, label: &LabelGroup) -> Option<String> {
+    match label.labels() {
+        [label] => names.get(label).cloned(),
+        _ => None,
     }
 }

@@ -1,7 +1,6 @@
 //! Meshes from PLY files: the header and single elements are read by `ply-rs-bw`, which keeps whole files in maps of names.
 
 use super::super::ReadError;
-use super::reader::damaged;
 use crate::surface::Mesh;
 use ply_rs_bw::parser::{ParseError, Parser, Reader};
 use ply_rs_bw::ply::{
@@ -15,7 +14,9 @@ const CORNERS: [&str; 2] = ["vertex_indices", "vertex_index"];
 /// Reads a file of `size` bytes.
 pub(super) fn read(file: impl BufRead, size: u64) -> Result<Mesh, ReadError> {
     let mut reader = Reader::new(file);
-    let header = Parser::<Skipped>::new().read_header(&mut reader).map_err(|error| damaged("PLY", &error))?;
+    let header = Parser::<Skipped>::new()
+        .read_header(&mut reader)
+        .map_err(|error| ReadError::damaged_mesh("PLY", &error))?;
     let mut payload = Payload { file: reader.into_inner(), encoding: header.encoding, size };
     let mut mesh = Mesh { vertices: Vec::new(), triangles: Vec::new() };
     // One past the largest number of a vertex that a face names: faces may come before vertices.
@@ -24,13 +25,13 @@ pub(super) fn read(file: impl BufRead, size: u64) -> Result<Mesh, ReadError> {
         match element.name.as_str() {
             "vertex" => {
                 if !AXES.iter().all(|axis| element.properties.contains_key(*axis)) {
-                    return Err(damaged("PLY", &"a vertex has no x, y and z"));
+                    return Err(ReadError::damaged_mesh("PLY", &"a vertex has no x, y and z"));
                 }
                 payload.elements(element, |Vertex(place)| mesh.vertices.push(place))?;
             }
             "face" => {
                 if !CORNERS.iter().any(|name| element.properties.contains_key(*name)) {
-                    return Err(damaged("PLY", &"a face has no vertex_indices"));
+                    return Err(ReadError::damaged_mesh("PLY", &"a face has no vertex_indices"));
                 }
                 payload.elements(element, |Face(corners)| {
                     named = corners.iter().fold(named, |named, &corner| named.max(u64::from(corner) + 1));
@@ -42,7 +43,7 @@ pub(super) fn read(file: impl BufRead, size: u64) -> Result<Mesh, ReadError> {
         }
     }
     if named > mesh.vertices.len() as u64 {
-        return Err(damaged("PLY", &"a face names vertices that are not there"));
+        return Err(ReadError::damaged_mesh("PLY", &"a face names vertices that are not there"));
     }
     Ok(mesh)
 }
@@ -69,12 +70,12 @@ impl<R: BufRead> Payload<R> {
             let reason = format!(
                 "the header claims {count} elements `{name}` of {bytes} bytes or more, the file has {size} bytes"
             );
-            return Err(damaged("PLY", &reason));
+            return Err(ReadError::damaged_mesh("PLY", &reason));
         }
         // Elements without properties take no room in binary files.
         let count = if bytes > 0 { kind.count } else { 0 };
         for _ in 0..count {
-            found(self.element(kind).map_err(|error| damaged("PLY", &error))?);
+            found(self.element(kind).map_err(|error| ReadError::damaged_mesh("PLY", &error))?);
         }
         Ok(())
     }

@@ -26,12 +26,8 @@ pub fn read_mesh(path: &Path) -> Result<Mesh, ReadError> {
     }
 }
 
-pub(super) fn damaged(format: &'static str, reason: &impl std::fmt::Display) -> ReadError {
-    ReadError::Header { format, reason: format!("{reason}; export the mesh again") }
-}
-
 fn stl<R: Read + std::io::Seek>(file: &mut R) -> Result<Mesh, ReadError> {
-    let read = stl_io::read_stl(file).map_err(|error| damaged("STL", &error))?;
+    let read = stl_io::read_stl(file).map_err(|error| ReadError::damaged_mesh("STL", &error))?;
     let vertices = read.vertices.iter().map(|v| v.0.map(f64::from)).collect();
     let triangles = read.faces.iter().map(|face| face.vertices.map(|v| v as u32)).collect();
     Ok(Mesh { vertices, triangles })

@@ -1,0 +1,25 @@
+//! Values of options, as typed.
+
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+use surfometry::Choice;
+
+/// Parses one of the library's named values, and lists them in help and errors.
+pub(crate) fn one_of<T: Choice>() -> impl TypedValueParser<Value = T> {
+    let values = T::ALL.iter().map(|choice| PossibleValue::new(choice.word()).help(choice.meaning()));
+    PossibleValuesParser::new(values).map(|text| T::of_word(&text).expect("the parser let it pass"))
+}
+
+/// A length, a radius.
+pub(crate) fn positive(text: &str) -> Result<f64, String> {
+    let value = number(text)?;
+    if value.is_finite() && value > 0.0 {
+        Ok(value)
+    } else {
+        Err("it must be positive and finite".to_owned())
+    }
+}
+
+/// Any number.
+pub(crate) fn number(text: &str) -> Result<f64, String> {
+    text.trim().parse().map_err(|_| format!("`{text}` is not a number"))
+}

@@ -1,0 +1,295 @@
+//! How numbers are made of what was summed over an object.
+
+use super::EmbeddingKind;
+use super::clip::{BoundaryTerms, ClipSummary, MeasuredPart};
+use super::pass::ObjectSums;
+use super::result::{
+    BlurredValues, DescribedSurface, GridSummary, Measured, MeshSummary, NO_ERRORS, StageSeconds,
+    SurfaceValues, TopologySummary,
+};
+use super::setup::Setup;
+use super::voxels::VoxelCounts;
+use crate::accuracy::{
+    CompensationTerms, ErrorModel, Evidence, Flag, FlagCode, NarrowPlace, band_variance, compensation_terms,
+    raise_flags,
+};
+use crate::integrals::Integrals;
+use crate::surface::SurfaceSummary;
+use crate::topology::VoxelTopology;
+use std::f64::consts::{FRAC_1_SQRT_2, TAU};
+use std::time::Duration;
+
+/// What was summed over an object.
+#[derive(Clone, Default)]
+pub(super) struct Totals {
+    pub(super) sums: ObjectSums,
+    pub(super) topology: VoxelTopology,
+    pub(super) voxels: VoxelCounts,
+    /// Where the object is measured, where the image cuts it and that is left out.
+    pub(super) open: Option<OpenPart>,
+    /// Time until the integrals were known.
+    pub(super) integrated: Duration,
+    pub(super) topology_time: Duration,
+}
+
+/// A part of an object whose surface is open at its ends.
+#[derive(Clone, Copy)]
+pub(super) struct OpenPart {
+    pub(super) part: MeasuredPart,
+    pub(super) boundary: BoundaryTerms,
+}
+
+impl Setup {
+    /// Integrals over phi = 0, and V, A, M and M / A of the original object.
+    pub(super) fn values(&self, sums: &ObjectSums, open: Option<&OpenPart>) -> [SurfaceValues; 2] {
+        let surviving = self.surviving(sums);
+        let terms = self.compensation(surviving, open);
+        [blurred_values(surviving, open), compensated(surviving, terms)]
+    }
+
+    /// All numbers of an object.
+    pub(super) fn measured(&self, totals: &Totals) -> Measured {
+        let surviving = self.surviving(&totals.sums);
+        let open = totals.open.as_ref();
+        let terms = self.compensation(surviving, open);
+        let mesh = Some(SurfaceSummary::of_sums(&totals.sums.surface)).filter(|mesh| mesh.triangles > 0);
+        let topology = totals.topology;
+        let voxels = totals.voxels.summary(&self.grid);
+        let compensated_volume = surviving.zip(terms).map(|(plain, terms)| terms.added_to(&plain).volume);
+        let cell_volume = self.grid.spacing().cell_volume();
+        let counted_volume = self.soft.map_or(voxels.volume_mm3, |edges| edges.volume);
+        let clip = open.map(|open| open.part.summary(cell_volume, &open.boundary));
+        let evidence = Evidence {
+            spacing: self.grid.spacing(),
+            distance: self.parameters.embedding.is_distance(),
+            corrected: self.parameters.embedding == EmbeddingKind::Corrected,
+            sigma: self.parameters.sigma_mm,
+            thickness: self.parameters.thickness_mm,
+            epsilon: self.parameters.epsilon,
+            saturation: self.parameters.saturation(),
+            voxel_volume: clip.map_or(counted_volume, |clip| clip.voxel_volume_mm3),
+            voxel_euler: topology.euler_characteristic_26,
+            narrow: surviving.map(|plain| self.narrow_places(&plain)).unwrap_or_default(),
+            boundary_curvature: open.map(|open| open.boundary.curvature),
+            compensated_volume,
+            plain: surviving,
+            mesh,
+        };
+        let surface = surviving.filter(Integrals::has_surface);
+        let area = surface.map(|integrals| integrals.surface.area);
+        let mut flags = self.parameter_flags(totals.voxels.cut_areas(&self.grid), area, clip);
+        flags.extend(raise_flags(&evidence));
+        flags.extend(surface.and_then(|integrals| self.soft?.flag(self.original_area(&integrals))));
+        let errors = surface.and_then(|integrals| self.error_model(&integrals));
+        if errors.is_none() && surface.is_some() {
+            flags.push(Flag::new(FlagCode::NotComputed, NO_ERRORS));
+        }
+        let noise = errors.zip(surface).map(|(model, integrals)| model.grid_noise(&integrals));
+        let terms = terms.filter(|_| !evidence.compensation_failed());
+        let blurred = BlurredValues {
+            values: blurred_values(surviving, open),
+            grid_noise: noise.map_or_else(SurfaceValues::default, |e| SurfaceValues::of_noise(&e)),
+        };
+        let topology = TopologySummary::of(&topology, mesh.as_ref());
+        let surface = self.described();
+        let [values, standard_error] = match surface {
+            DescribedSurface::Original => self.original(surviving, terms, exact_euler(&topology, open)),
+            DescribedSurface::Blurred | DescribedSurface::Given => [blurred.values, SurfaceValues::default()],
+        };
+        Measured {
+            surface,
+            values,
+            standard_error,
+            blurred,
+            mesh: mesh.map_or_else(MeshSummary::default, |mesh| MeshSummary::of(&mesh)),
+            voxels,
+            topology,
+            clip,
+            parameters: self.parameters,
+            grid: GridSummary::of(&self.grid),
+            flags,
+            compensation: terms,
+            timings: totals.timings(),
+        }
+    }
+
+    /// The surface that the unqualified numbers describe: the original object's wherever it can be had, unless the
+    /// paper's choices are asked for.
+    fn described(&self) -> DescribedSurface {
+        let compensable = self.parameters.compensable_sigma().is_some() && !self.measurement.paper;
+        match self.parameters.embedding {
+            EmbeddingKind::Given => DescribedSurface::Given,
+            _ if compensable => DescribedSurface::Original,
+            _ => DescribedSurface::Blurred,
+        }
+    }
+
+    /// Numbers of the original object and their standard errors, with its exact Euler characteristic.
+    fn original(
+        &self,
+        blurred: Option<Integrals>,
+        terms: Option<CompensationTerms>,
+        euler: Option<i64>,
+    ) -> [SurfaceValues; 2] {
+        let model = blurred.and_then(|blurred| self.error_model(&blurred));
+        let modelled = model.zip(blurred).filter(|_| terms.is_some());
+        let errors = modelled.map(|(model, blurred)| SurfaceValues::of_errors(&model.compensated(&blurred)));
+        let exact = euler.map(|_| 0.0);
+        [
+            SurfaceValues {
+                total_gaussian_curvature: euler.map(|chi| TAU * chi as f64),
+                euler_characteristic: euler.map(|chi| chi as f64),
+                ..compensated(blurred, terms)
+            },
+            SurfaceValues {
+                total_gaussian_curvature: exact,
+                euler_characteristic: exact,
+                ..errors.unwrap_or_default()
+            },
+        ]
+    }
+
+    /// Where the object and the gaps in it are narrowest, of those whose share of the band counts.
+    fn narrow_places(&self, plain: &Integrals) -> [Option<NarrowPlace>; 2] {
+        plain.narrow.map(|narrow| {
+            let (index, _) = narrow.narrowest?;
+            let position_mm = self.grid.affine().apply(index.map(|v| v as f64));
+            Some(NarrowPlace { share: narrow.voxels as f64 / plain.band_voxels as f64, position_mm })
+        })
+    }
+
+    /// The integrals; `None` where nothing is inside the level set.
+    pub(super) fn surviving(&self, sums: &ObjectSums) -> Option<Integrals> {
+        let integrals = Integrals::of(&sums.integrals, self.grid.spacing());
+        (integrals.inside_voxels > 0).then_some(integrals)
+    }
+
+    /// What compensation adds; `None` where it is not defined.
+    fn compensation(
+        &self,
+        integrals: Option<Integrals>,
+        open: Option<&OpenPart>,
+    ) -> Option<CompensationTerms> {
+        let sigma = self.parameters.compensable_sigma()?;
+        let integrals = integrals.filter(Integrals::has_surface)?;
+        let own = self.own_sigma(&integrals);
+        // Of two blurs whose shifts cancel, half of it is left.
+        let sigma = libm::hypot(sigma, if sigma > 0.0 { own } else { own * FRAC_1_SQRT_2 });
+        let profile = self.parameters.embedding.profile(libm::hypot(self.parameters.sigma_mm?, own));
+        let variance = band_variance(&profile, self.band.delta());
+        let mut terms = compensation_terms(&integrals, sigma, variance, self.terraces.as_ref());
+        if let Some(OpenPart { boundary, .. }) = open {
+            terms.shift.area += sigma * sigma * boundary.area;
+            terms.shift.mean += sigma * sigma * boundary.mean;
+        }
+        Some(terms)
+    }
+
+    /// The blur that was in the image before it was blurred, mm; 0 of a mask.
+    fn own_sigma(&self, integrals: &Integrals) -> f64 {
+        self.soft.map_or(0.0, |edges| edges.own_variance(self.original_area(integrals)).sqrt())
+    }
+
+    /// Area before the blur, about.
+    fn original_area(&self, integrals: &Integrals) -> f64 {
+        let (sigma, surface) = (self.parameters.shift_sigma().unwrap_or(0.0), &integrals.surface);
+        surface.area + 2.0 * sigma * sigma * surface.mean_squared
+    }
+
+    /// How far integrals are from exact; `None` where that was not studied.
+    fn error_model(&self, integrals: &Integrals) -> Option<ErrorModel> {
+        let (Some(model), Some(edges)) = (self.errors, self.soft) else { return self.errors };
+        let sampled = self.parameters.thickness_mm >= self.grid.spacing().largest();
+        let occupancies = model.of_occupancies(&self.parameters.profile()?, self.band.delta());
+        (sampled && edges.are_occupancies(self.original_area(integrals))).then_some(occupancies)
+    }
+
+    fn parameter_flags(
+        &self,
+        cuts: [[f64; 2]; 3],
+        area: Option<f64>,
+        clip: Option<ClipSummary>,
+    ) -> Vec<Flag> {
+        let mut flags = Vec::new();
+        let touches_border = cuts.as_flattened().iter().any(|&cut| cut > 0.0);
+        let given = self.parameters.embedding == EmbeddingKind::Given;
+        if touches_border && given {
+            flags.push(Flag::new(FlagCode::SurfaceLeavesField, "the inside reaches the edge of the field, where its surface is left open: area and curvature miss that part and chi has no boundary term"));
+        } else if touches_border {
+            flags.push(touching(cuts, area, clip));
+        }
+        if self.parameters.compensable_sigma().is_none() {
+            flags.push(Flag::new(FlagCode::CompensationUndefined, "compensation is defined for the Gaussian and the corrected embedding at level 0.5 only, so the numbers are those of the blurred surface"));
+        }
+        flags
+    }
+}
+
+/// Of an open surface, the Euler characteristic has a part from the boundary (Gauss-Bonnet).
+fn blurred_values(integrals: Option<Integrals>, open: Option<&OpenPart>) -> SurfaceValues {
+    let mut values = integrals.map_or_else(SurfaceValues::default, |i| SurfaceValues::of(&i));
+    if let Some(open) = open {
+        let total = |of_surface: f64| (of_surface + open.boundary.curvature) / TAU;
+        values.euler_characteristic = values.total_gaussian_curvature.map(total);
+    }
+    values
+}
+
+fn compensated(blurred: Option<Integrals>, terms: Option<CompensationTerms>) -> SurfaceValues {
+    let known = blurred.zip(terms);
+    known.map_or_else(SurfaceValues::default, |(blurred, terms)| {
+        SurfaceValues::compensated(&terms.added_to(&blurred))
+    })
+}
+
+/// The whole number of the original object's surface: its voxels', or, of the part between cuts, its mesh's.
+fn exact_euler(topology: &TopologySummary, open: Option<&OpenPart>) -> Option<i64> {
+    match open {
+        None => Some(topology.euler_characteristic_voxels_26),
+        Some(_) => topology.euler_characteristic_mesh,
+    }
+}
+
+/// Where the image's edge cuts an object, and how much of its surface that makes.
+fn touching(cuts: [[f64; 2]; 3], area: Option<f64>, clip: Option<ClipSummary>) -> Flag {
+    let mut places = Vec::new();
+    for (axis, cuts) in ["x", "y", "z"].iter().zip(cuts) {
+        for (end, cut) in ["first", "last"].iter().zip(cuts).filter(|(_, cut)| *cut > 0.0) {
+            places.push(format!("{end} {axis} ({cut:.1} mm2)"));
+        }
+    }
+    if let Some(clip) = clip {
+        let message = format!(
+            "the object reaches the edge of the image in the slice {}: what lies within {:.4} mm of it is left out, so the numbers are those of an \
+             open surface between sections of {:.1} mm2",
+            places.join(", "),
+            clip.rim_mm,
+            clip.section_area_mm2
+        );
+        return Flag::new(FlagCode::TouchesBorder, message);
+    }
+    let total: f64 = cuts.as_flattened().iter().sum();
+    let share =
+        area.map_or_else(String::new, |area| format!(", {:.1} % of its surface", 100.0 * total / area));
+    let message = format!(
+        "the object reaches the edge of the image in the slice {}{share}: it is closed there with a flat cap, which counts in volume, area \
+         and curvature",
+        places.join(", ")
+    );
+    Flag::new(FlagCode::TouchesBorder, message)
+}
+
+impl Totals {
+    fn timings(&self) -> StageSeconds {
+        let times = &self.sums.times;
+        StageSeconds {
+            embed: times.embed.as_secs_f64(),
+            derive: times.derive.as_secs_f64(),
+            integrate: times.integrate.as_secs_f64(),
+            surface: times.surface.as_secs_f64(),
+            topology: self.topology_time.as_secs_f64(),
+            integrals: self.integrated.as_secs_f64(),
+            ..StageSeconds::default()
+        }
+    }
+}
