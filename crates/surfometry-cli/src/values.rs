@@ -23,3 +23,9 @@ pub(crate) fn positive(text: &str) -> Result<f64, String> {
 pub(crate) fn number(text: &str) -> Result<f64, String> {
     text.trim().parse().map_err(|_| format!("`{text}` is not a number"))
 }
+
+/// Two names with a comma between.
+pub(crate) fn two_names(text: &str) -> Result<[String; 2], String> {
+    let (method, standard) = text.split_once(',').ok_or("write two names with a comma between them")?;
+    Ok([method.to_owned(), standard.to_owned()])
+}

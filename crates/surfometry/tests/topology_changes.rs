@@ -167,5 +167,5 @@ fn the_band_sees_the_mean_over_its_levels() {
     assert!((expected - mean).abs() < 0.25, "expected {expected}, mean over levels {mean}");
     let seen = measured.blurred.euler_characteristic.unwrap();
     assert!((seen - mean).abs() < 0.3, "seen {seen}, mean over levels {mean}");
-    assert!(codes(&measured).contains(&"euler-not-integer"));
+    assert!(codes(&measured).iter().any(|code| code == "euler-not-integer"));
 }

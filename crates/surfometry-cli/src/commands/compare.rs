@@ -2,6 +2,7 @@
 
 use super::ALL_DONE;
 use crate::output::{check_output, comparison_text, deliver, json_text, say};
+use crate::values::two_names;
 use anyhow::{Context, Result, bail};
 use std::path::{Path, PathBuf};
 use surfometry::comparison::{ColumnPair, Comparison, Table, compare};
@@ -78,11 +79,6 @@ fn names(args: &Args) -> [String; 2] {
     } else {
         ["method".to_owned(), "standard".to_owned()]
     }
-}
-
-fn two_names(text: &str) -> Result<[String; 2], String> {
-    let (method, standard) = text.split_once(',').ok_or("write two names with a comma between them")?;
-    Ok([method.to_owned(), standard.to_owned()])
 }
 
 #[derive(Clone, Copy)]

@@ -1,4 +1,4 @@
-//! Scale, compensation of the blur's shift, and warnings.
+//! Scale, compensation of the blur's shift, standard errors, and what a warning is.
 
 mod compensation;
 mod curvature_scale;
@@ -12,7 +12,7 @@ mod uncertainty;
 
 pub use compensation::{CompensatedIntegrals, CompensationTerms, compensation_terms};
 pub use curvature_scale::{PILOT_SPACINGS, auto_curvature_sigma, balanced_sigma, rms_spacing};
-pub use flags::{Evidence, Flag, FlagCode, NarrowPlace, raise_flags};
+pub use flags::{Flag, FlagCode};
 pub(crate) use flags::{decimals_for, place_text};
 pub use local_errors::{CurvatureErrors, LocalErrorModel};
 pub use scale::{

@@ -9,10 +9,8 @@ use super::result::{
 };
 use super::setup::Setup;
 use super::voxels::VoxelCounts;
-use crate::accuracy::{
-    CompensationTerms, ErrorModel, Evidence, Flag, FlagCode, NarrowPlace, band_variance, compensation_terms,
-    raise_flags,
-};
+use super::warnings::{Evidence, NarrowPlace, raise_flags};
+use crate::accuracy::{CompensationTerms, ErrorModel, Flag, FlagCode, band_variance, compensation_terms};
 use crate::integrals::Integrals;
 use crate::surface::SurfaceSummary;
 use crate::topology::VoxelTopology;

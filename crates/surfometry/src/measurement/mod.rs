@@ -18,6 +18,7 @@ mod setup;
 mod streaming;
 mod voxel_map;
 mod voxels;
+mod warnings;
 
 pub use boxes::{BoxShare, DecodeError, MergeError, PartialMeasurement};
 pub use clip::{Clip, ClipSummary};

@@ -106,7 +106,9 @@ impl MeasureTask {
             }
         };
         // One after the other, for there may be a hundred thousand.
-        results.into_iter().for_each(|result| out(Item::Row(record(result))));
+        for result in results {
+            out(Item::Row(record(result)));
+        }
         Ok(())
     }
 
