@@ -89,12 +89,9 @@ fn highlighted(bone: &Bone, surface: &Surface) -> Result<surfometry::pictures::F
 /// Mean place of the saddle-shaped surface beyond the middle of the reach to the side: the inside of the ring.
 fn inner_rim(surface: &Surface) -> Option<[f64; 3]> {
     let reach = surface.mesh.vertices.iter().map(|v| v[0].abs()).fold(0.0, f64::max);
-    let inside = surface
-        .mesh
-        .vertices
-        .iter()
-        .zip(&surface.vertices)
-        .filter(|(place, vertex)| place[0].abs() > 0.6 * reach && vertex.curvature.gaussian < -0.01);
+    let inside = surface.mesh.vertices.iter().zip(&surface.vertices).filter(|(place, vertex)| {
+        place[0].abs() > 0.6 * reach && vertex.curvature.gaussian_curvature < -0.01
+    });
     let places: Vec<[f64; 3]> = inside.map(|(place, _)| *place).collect();
     let count = places.len() as f64;
     (!places.is_empty()).then(|| std::array::from_fn(|a| places.iter().map(|p| p[a]).sum::<f64>() / count))

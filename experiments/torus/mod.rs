@@ -90,8 +90,8 @@ fn local_errors(phantom: &Phantom, surface: &Surface) -> [f64; 2] {
     for ((place, vertex), area) in surface.mesh.vertices.iter().zip(&surface.vertices).zip(areas).step_by(3) {
         let Some(point) = phantom.surface_point(*place) else { continue };
         let errors = [
-            vertex.curvature.mean - point.curvature.mean,
-            vertex.curvature.gaussian - point.curvature.gaussian,
+            vertex.curvature.mean_curvature - point.curvature.mean_curvature,
+            vertex.curvature.gaussian_curvature - point.curvature.gaussian_curvature,
         ];
         sums.iter_mut().zip(errors).for_each(|(sum, error)| *sum += area * error * error);
         total += area;

@@ -53,7 +53,11 @@ fn differences_converge_with_the_fourth_power() {
                 let band = FiniteDifferences::new(&field, spacing).band(&grid.index_box(), f64::INFINITY);
                 let found = band.iter().find(|v| v.index == index.map(|i| i as i64)).unwrap();
                 let (found, exact) = (Curvature::of(&found.jet).unwrap(), exact(point(index)));
-                (h, (found.mean - exact.mean).abs() + (found.gaussian - exact.gaussian).abs())
+                (
+                    h,
+                    (found.mean_curvature - exact.mean_curvature).abs()
+                        + (found.gaussian_curvature - exact.gaussian_curvature).abs(),
+                )
             })
             .collect();
         let slope = slope(&errors);
@@ -114,7 +118,9 @@ fn local_noise_falls_with_sigma() {
         let scheme = GaussianDerivatives::new(GaussianEmbedding::new(&mask, sigma, 0.5, TRUNCATION));
         let mut values = Vec::new();
         for tile in scheme.embedding().support(0.05).tiles(TILE) {
-            values.extend(scheme.band(&tile, 0.05).iter().map(|v| Curvature::of(&v.jet).unwrap().mean));
+            values.extend(
+                scheme.band(&tile, 0.05).iter().map(|v| Curvature::of(&v.jet).unwrap().mean_curvature),
+            );
         }
         let mean = values.iter().sum::<f64>() / values.len() as f64;
         (values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / values.len() as f64).sqrt()

@@ -53,8 +53,8 @@ fn errors(phantom: &Phantom, band: &[BandVoxel]) -> [f64; 3] {
         let world = phantom.grid().affine().apply(voxel.index.map(|i| i as f64));
         let (mean, gaussian) = closed_form(RADII, phantom.pose().to_shape(world));
         let curvature = Curvature::of(&voxel.jet).expect("a normal");
-        squares[0] += ((curvature.mean - mean) / scale).powi(2);
-        squares[1] += ((curvature.gaussian - gaussian) / scale.powi(2)).powi(2);
+        squares[0] += ((curvature.mean_curvature - mean) / scale).powi(2);
+        squares[1] += ((curvature.gaussian_curvature - gaussian) / scale.powi(2)).powi(2);
         squares[2] += ((printed_gaussian(&voxel.jet) - gaussian) / scale.powi(2)).powi(2);
     }
     squares.map(|s| (s / band.len() as f64).sqrt())
@@ -112,7 +112,8 @@ fn local_mean_curvature_of_a_ball_has_the_blurs_bias() {
     let phantom = phantom(surfometry::phantoms::Ball { radius }, poses()[1], [0.8, 1.0, 0.6]);
     let mask = phantom.labels().unwrap().mask(1);
     let band = band(&GaussianDerivatives::new(GaussianEmbedding::new(&mask, sigma, 0.5, TRUNCATION)), 0.04);
-    let mean = band.iter().map(|v| Curvature::of(&v.jet).unwrap().mean).sum::<f64>() / band.len() as f64;
+    let mean =
+        band.iter().map(|v| Curvature::of(&v.jet).unwrap().mean_curvature).sum::<f64>() / band.len() as f64;
     let bias = mean * radius - 1.0;
     let expected = (sigma / radius).powi(2);
     assert!((bias / expected - 1.0).abs() < 0.15, "bias {bias}, expected {expected}");

@@ -97,7 +97,7 @@ fn every_derivative_is_right_on_unequal_spacings() {
         let (at_vertices, exact_there) = (matched.jets(&points), exact.jets(&points));
         let off_grid = worst(&at_vertices, &exact_there);
         let curvature =
-            |jets: &[Jet]| jets.iter().map(|j| Curvature::of(j).unwrap().mean).collect::<Vec<_>>();
+            |jets: &[Jet]| jets.iter().map(|j| Curvature::of(j).unwrap().mean_curvature).collect::<Vec<_>>();
         let mean = curvature(&at_vertices)
             .iter()
             .zip(curvature(&exact_there))
@@ -140,6 +140,6 @@ fn tiles_are_the_whole() {
     let near = |a: f64, b: f64| assert!((a / b - 1.0).abs() < 1e-11, "{a} {b}");
     near(tiled.volume, whole.volume);
     near(tiled.surface.area, whole.surface.area);
-    near(tiled.surface.mean, whole.surface.mean);
-    near(tiled.surface.mean_squared, whole.surface.mean_squared);
+    near(tiled.surface.total_mean_curvature, whole.surface.total_mean_curvature);
+    near(tiled.surface.total_squared_mean_curvature, whole.surface.total_squared_mean_curvature);
 }

@@ -42,7 +42,9 @@ fn errors(measured: &Measured, phantom: &Phantom) -> [f64; 3] {
 fn error_of_h(object: &Object, phantom: &Phantom) -> f64 {
     let surface = object.surface();
     let pairs = surface.mesh.vertices.iter().zip(&surface.vertices);
-    rms(pairs.map(|(v, g)| g.curvature.mean - phantom.surface_point(*v).unwrap().curvature.mean))
+    rms(pairs.map(|(v, g)| {
+        g.curvature.mean_curvature - phantom.surface_point(*v).unwrap().curvature.mean_curvature
+    }))
 }
 
 fn shapes(scale: f64) -> [(&'static str, Box<dyn Shape>); 3] {
@@ -95,7 +97,7 @@ fn curvature_has_a_tenth_of_the_masks_noise() {
     let soft = Measurement::default().prepare_probability(occupancies(&phantom)).unwrap();
     let mask = Measurement::default().prepare(phantom.labels().unwrap().mask(1)).unwrap();
     let [ours, masks] = [soft, mask].map(|object| {
-        let found: Vec<f64> = object.surface().vertices.iter().map(|v| v.curvature.mean).collect();
+        let found: Vec<f64> = object.surface().vertices.iter().map(|v| v.curvature.mean_curvature).collect();
         let mean = found.iter().sum::<f64>() / found.len() as f64;
         rms(found.into_iter().map(|h| h - mean))
     });

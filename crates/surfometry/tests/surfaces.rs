@@ -140,8 +140,8 @@ fn local_errors(phantom: &Phantom, surface: &Surface, scale: f64) -> [f64; 2] {
         .collect();
     let pairs = || surface.vertices.iter().zip(&truth);
     [
-        rms(pairs().map(|(v, t)| (v.curvature.mean - t.mean) / scale)),
-        rms(pairs().map(|(v, t)| (v.curvature.gaussian - t.gaussian) / (scale * scale))),
+        rms(pairs().map(|(v, t)| (v.curvature.mean_curvature - t.mean_curvature) / scale)),
+        rms(pairs().map(|(v, t)| (v.curvature.gaussian_curvature - t.gaussian_curvature) / (scale * scale))),
     ]
 }
 
@@ -219,7 +219,9 @@ fn collapsed_gradients_stay_out_of_distributions() {
         surface.vertices.len(),
         surface.distributions()[0].by_area.maximum
     );
-    assert!(collapsed > 0 && surface.vertices.iter().all(|v| v.has_normal || v.curvature.mean == 0.0));
+    assert!(
+        collapsed > 0 && surface.vertices.iter().all(|v| v.has_normal || v.curvature.mean_curvature == 0.0)
+    );
     // Twenty times the plate's own scale: without the rule it would be hundreds.
     assert!(surface.distributions()[0].by_area.maximum < 10.0);
 }

@@ -81,8 +81,8 @@ fn wide_blurs_are_interpolated_without_loss() {
     };
     let (convolved, interpolated) = (h(&narrow), h(&wide));
     let pairs = || convolved.iter().zip(&interpolated);
-    let mean = rms(pairs().map(|(a, b)| 18.0 * (a.mean - b.mean)));
-    let gaussian = rms(pairs().map(|(a, b)| 324.0 * (a.gaussian - b.gaussian)));
+    let mean = rms(pairs().map(|(a, b)| 18.0 * (a.mean_curvature - b.mean_curvature)));
+    let gaussian = rms(pairs().map(|(a, b)| 324.0 * (a.gaussian_curvature - b.gaussian_curvature)));
     println!("H {mean:.1e}, K {gaussian:.1e}");
     assert!(mean < 2e-5 && gaussian < 2e-5, "{mean} {gaussian}");
 }
@@ -148,7 +148,10 @@ fn the_noise_of_h_falls_as_the_cube_of_sigma() {
         let scheme = scheme(&mask, sigma);
         let mesh = extract(scheme.embedding(), mask.grid());
         let exact = 1.0 / blurred_radius(radius, sigma);
-        let h = scheme.jets(&indices(&phantom, &mesh)).into_iter().map(|j| Curvature::of(&j).unwrap().mean);
+        let h = scheme
+            .jets(&indices(&phantom, &mesh))
+            .into_iter()
+            .map(|j| Curvature::of(&j).unwrap().mean_curvature);
         rms(h.map(|h| h - exact))
     };
     for sigma in [2.0, 3.0, 4.0] {
@@ -174,7 +177,7 @@ fn displacement_is_the_blurs_shift() {
                 let jets = scheme.jets(&indices(&phantom, &mesh));
                 let truth: Vec<f64> =
                     mesh.vertices.iter().map(|v| phantom.surface_point(*v).unwrap().distance).collect();
-                let shift = jets.iter().map(|j| -sigma * sigma * Curvature::of(j).unwrap().mean);
+                let shift = jets.iter().map(|j| -sigma * sigma * Curvature::of(j).unwrap().mean_curvature);
                 let error = rms(shift.zip(&truth).map(|(d, t)| d - t));
                 let size = rms(truth.into_iter());
                 println!("{spacing:?}, sigma {sigma}: shift {size:.3}, error {error:.3}");
@@ -201,8 +204,11 @@ fn differences_at_vertices_of_a_smooth_field() {
         let jets = FiniteDifferences::new(&field, spacing).jets(&points);
         let of = |jet: &Jet| Curvature::of(jet).unwrap();
         let truth: Vec<Curvature> = points.iter().map(|&p| of(&phantom.shape().jet(to_shape(p)))).collect();
-        let mean = rms(jets.iter().zip(&truth).map(|(j, t)| 7.0 * (of(j).mean - t.mean)));
-        let gaussian = rms(jets.iter().zip(&truth).map(|(j, t)| 49.0 * (of(j).gaussian - t.gaussian)));
+        let mean = rms(jets.iter().zip(&truth).map(|(j, t)| 7.0 * (of(j).mean_curvature - t.mean_curvature)));
+        let gaussian = rms(jets
+            .iter()
+            .zip(&truth)
+            .map(|(j, t)| 49.0 * (of(j).gaussian_curvature - t.gaussian_curvature)));
         println!("{spacing:?}: H {mean:.2e}, K {gaussian:.2e}");
         assert!(mean < 5e-4 && gaussian < 5e-4, "{mean} {gaussian}");
     }

@@ -189,7 +189,13 @@ fn term_rows(terms: &CompensationTerms) -> Vec<Vec<String>> {
     let signed = |v: f64| format!("{}{}", if v < 0.0 { "- " } else { "+ " }, digits(v.abs()));
     let causes = [("blur's shift", terms.shift), ("band's width", terms.band), ("terraces", terms.terraces)];
     let row = |(name, term): (&str, CompensatedIntegrals)| {
-        vec![String::new(), name.to_owned(), signed(term.volume), signed(term.area), signed(term.mean)]
+        vec![
+            String::new(),
+            name.to_owned(),
+            signed(term.volume),
+            signed(term.area),
+            signed(term.total_mean_curvature),
+        ]
     };
     causes.into_iter().map(row).collect()
 }

@@ -11,7 +11,7 @@ pub struct CompensatedIntegrals {
     /// mm^2.
     pub area: f64,
     /// Integral of H, mm.
-    pub mean: f64,
+    pub total_mean_curvature: f64,
 }
 
 /// What compensation adds, by cause.
@@ -58,19 +58,19 @@ pub fn compensation_terms(
     let off_grid = (surface.area - plain.faces.iter().sum::<f64>()).max(0.0);
     CompensationTerms {
         shift: CompensatedIntegrals {
-            volume: square * 0.5 * (surface.mean + (surface.mean + mean)),
-            area: 2.0 * square * surface.mean_squared,
-            mean,
+            volume: square * 0.5 * (surface.total_mean_curvature + (surface.total_mean_curvature + mean)),
+            area: 2.0 * square * surface.total_squared_mean_curvature,
+            total_mean_curvature: mean,
         },
         band: CompensatedIntegrals {
-            volume: -variance * surface.mean,
-            area: -variance * surface.gaussian,
-            mean: 0.0,
+            volume: -variance * surface.total_mean_curvature,
+            area: -variance * surface.total_gaussian_curvature,
+            total_mean_curvature: 0.0,
         },
         terraces: CompensatedIntegrals {
             volume: 0.0,
             area: -(slope + excess) * off_grid,
-            mean: -slope * surface.mean,
+            total_mean_curvature: -slope * surface.total_mean_curvature,
         },
     }
 }
@@ -84,7 +84,7 @@ impl CompensationTerms {
         CompensatedIntegrals {
             volume: sum(plain.volume, |t| t.volume),
             area: sum(plain.surface.area, |t| t.area),
-            mean: sum(plain.surface.mean, |t| t.mean),
+            total_mean_curvature: sum(plain.surface.total_mean_curvature, |t| t.total_mean_curvature),
         }
     }
 }

@@ -8,9 +8,9 @@ use crate::volume::Spacing;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CurvatureErrors {
     /// Of H, 1/mm.
-    pub mean: f32,
+    pub mean_curvature: f32,
     /// Of K, 1/mm^2.
-    pub gaussian: f32,
+    pub gaussian_curvature: f32,
     /// Of k1 and of k2, 1/mm.
     pub principal: f32,
     /// Of the shape index, at most 1.
@@ -21,7 +21,12 @@ impl CurvatureErrors {
     /// Where there is no curvature: that of a voxel's size, which is all that can be said.
     pub(crate) fn unknown(spacing: Spacing) -> Self {
         let most = 1.0 / spacing.smallest();
-        Self { mean: most as f32, gaussian: (most * most) as f32, principal: most as f32, shape_index: 1.0 }
+        Self {
+            mean_curvature: most as f32,
+            gaussian_curvature: (most * most) as f32,
+            principal: most as f32,
+            shape_index: 1.0,
+        }
     }
 }
 
@@ -76,8 +81,12 @@ impl LocalErrorModel {
         // S = 2/pi times the angle of (H, (k1 - k2) / 2), a vector as long as the curvedness, of which each part is off by 1/sqrt 2 of k1's error.
         let angle = f64::from(principal) / (std::f64::consts::SQRT_2 * curvature.curvedness());
         CurvatureErrors {
-            mean: total(noise, differences.mean, of_mean * self.remainder),
-            gaussian: total(of_product, differences.gaussian, of_gaussian * self.remainder / self.radius),
+            mean_curvature: total(noise, differences.mean_curvature, of_mean * self.remainder),
+            gaussian_curvature: total(
+                of_product,
+                differences.gaussian_curvature,
+                of_gaussian * self.remainder / self.radius,
+            ),
             principal,
             shape_index: (angle * std::f64::consts::FRAC_2_PI).min(1.0) as f32,
         }

@@ -75,9 +75,9 @@ impl OccupancyNoise {
                 self.least * surface.area,
                 flat_area,
             ),
-            mean: root(
-                (IN_STEP * surface.mean_squared * squares / (2.0 * PI)).sqrt(),
-                self.least * surface.mean.abs().max(least_mean),
+            total_mean_curvature: root(
+                (IN_STEP * surface.total_squared_mean_curvature * squares / (2.0 * PI)).sqrt(),
+                self.least * surface.total_mean_curvature.abs().max(least_mean),
                 0.0,
             ),
             ..*bits
@@ -86,7 +86,11 @@ impl OccupancyNoise {
 
     /// How far V, A and M may be off because compensation takes a voxel's variance on the mean over directions.
     pub(super) fn directed(&self, surface: &SurfaceIntegrals) -> [f64; 3] {
-        let changes = [surface.mean, 2.0 * surface.mean_squared, surface.mean_times_gaussian];
+        let changes = [
+            surface.total_mean_curvature,
+            2.0 * surface.total_squared_mean_curvature,
+            surface.mean_times_gaussian,
+        ];
         changes.map(|change| DIRECTED * self.spread * change.abs())
     }
 }

@@ -16,13 +16,13 @@ pub struct IntegralErrors {
     /// Of A, mm^2.
     pub area: f64,
     /// Of M, mm.
-    pub mean: f64,
+    pub total_mean_curvature: f64,
     /// Of M / A, 1/mm.
-    pub average: f64,
+    pub average_mean_curvature: f64,
     /// Of the integral of K.
-    pub gaussian: f64,
+    pub total_gaussian_curvature: f64,
     /// Of the integral of H^2.
-    pub mean_squared: f64,
+    pub total_squared_mean_curvature: f64,
 }
 
 /// What is left after compensation, in units of sigma^4 times the integral of the third, fourth and fifth power of the larger principal curvature for V, A
@@ -102,18 +102,28 @@ impl ErrorModel {
         );
         let mean = libm::hypot(
             MEAN_NOISE * curvature.powi(2) * volume,
-            rough_mean * surface.mean.abs().max(least_mean),
+            rough_mean * surface.total_mean_curvature.abs().max(least_mean),
         );
         let gaussian = 2.0 * PI * EULER_NOISE * ratio * balls.sqrt();
         let average = of_average(surface, area, mean);
-        let bits = IntegralErrors { volume, area, mean, average, gaussian, mean_squared: gaussian };
+        let bits = IntegralErrors {
+            volume,
+            area,
+            total_mean_curvature: mean,
+            average_mean_curvature: average,
+            total_gaussian_curvature: gaussian,
+            total_squared_mean_curvature: gaussian,
+        };
         let Some(occupancies) = &self.occupancies else { return bits };
         // The place of a face is known then, up to what the sampled Heaviside makes of it.
         let face_steps: [f64; 3] =
             std::array::from_fn(|a| self.face_excess[a] * self.spacing.mm()[a] / (2.0 * PI) * faces[a]);
         let flat_volume = face_steps.iter().map(|step| step * step).sum::<f64>().sqrt();
         let shares = occupancies.of(surface, least_mean, [flat_volume, excess.sqrt()], &bits);
-        IntegralErrors { average: of_average(surface, shares.area, shares.mean), ..shares }
+        IntegralErrors {
+            average_mean_curvature: of_average(surface, shares.area, shares.total_mean_curvature),
+            ..shares
+        }
     }
 
     /// Standard errors of compensated values: the grid's noise, and the bias that is left. It is at most what compensation changed: where the surface turns
@@ -133,17 +143,17 @@ impl ErrorModel {
             .max(LEAST_CHANGE * square * surface.area * curvature.powi(3));
         let volume = (of_volume * fourth * third).min(square * surface.area * curvature);
         let area = libm::hypot(of_area * fourth * surface.larger_fourth, edges)
-            .min(2.0 * square * surface.mean_squared);
+            .min(2.0 * square * surface.total_squared_mean_curvature);
         let mean = (of_mean * fourth * fifth).min(most_of_mean);
         let directed = self.occupancies.map_or([0.0; 3], |occupancies| occupancies.directed(surface));
         let bias = [volume, area, mean];
         let [volume, area, mean] = std::array::from_fn(|n| libm::hypot(bias[n], directed[n]));
-        let (area, mean) = (libm::hypot(noise.area, area), libm::hypot(noise.mean, mean));
+        let (area, mean) = (libm::hypot(noise.area, area), libm::hypot(noise.total_mean_curvature, mean));
         IntegralErrors {
             volume: libm::hypot(noise.volume, volume),
             area,
-            mean,
-            average: of_average(surface, area, mean),
+            total_mean_curvature: mean,
+            average_mean_curvature: of_average(surface, area, mean),
             ..noise
         }
     }
@@ -156,7 +166,7 @@ fn rms_curvature(surface: &SurfaceIntegrals) -> f64 {
 
 /// Error of M / A, as if those of A and M were independent.
 fn of_average(surface: &SurfaceIntegrals, area: f64, mean: f64) -> f64 {
-    libm::hypot(mean / surface.area, area * surface.mean / (surface.area * surface.area))
+    libm::hypot(mean / surface.area, area * surface.total_mean_curvature / (surface.area * surface.area))
 }
 
 /// A face's area, from that of which the normal is an axis: the blur rounds a rim two sigma wide. A cap of a curved surface is small and has none to speak of.

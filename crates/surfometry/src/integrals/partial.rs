@@ -75,13 +75,13 @@ surface_integrals! {
     /// A, mm^2.
     area = |_c| 1.0;
     /// Integral of H, mm.
-    mean = |c| c.mean;
+    total_mean_curvature = |c| c.mean_curvature;
     /// Integral of K, which is 2 pi chi.
-    gaussian = |c| c.gaussian;
+    total_gaussian_curvature = |c| c.gaussian_curvature;
     /// Integral of H^2, the bending energy.
-    mean_squared = |c| c.mean * c.mean;
+    total_squared_mean_curvature = |c| c.mean_curvature * c.mean_curvature;
     /// Integral of H K, 1/mm: how total mean curvature changes along the normal.
-    mean_times_gaussian = |c| c.mean * c.gaussian;
+    mean_times_gaussian = |c| c.mean_curvature * c.gaussian_curvature;
     /// Integral of the square of the larger principal curvature: over the area, 1 / R^2 of the radius of curvature that a blur has to respect.
     larger_squared = |c| c.larger() * c.larger();
     /// Integral of its fourth power, 1/mm^2: what the blur leaves after compensation goes with it.
@@ -286,7 +286,7 @@ impl BandSums {
     fn add_lanes(&mut self, columns: [&Lanes; 10], weight: &Lanes, band: &Band) -> Lanes {
         let mut gradients = [0.0; LANES];
         let (delta, heaviside) = band.delta().lanes(columns[0]);
-        let mut curvatures = [Curvature { mean: 0.0, gaussian: 0.0 }; LANES];
+        let mut curvatures = [Curvature { mean_curvature: 0.0, gaussian_curvature: 0.0 }; LANES];
         let (mut areas, mut without) = ([0.0; LANES], [0.0; LANES]);
         for lane in 0..LANES {
             let jet = Jet {
@@ -306,8 +306,8 @@ impl BandSums {
             }
             without[lane] = if stands { 0.0 } else { 1.0 };
             curvatures[lane] = Curvature {
-                mean: if stands { curvature.mean } else { 0.0 },
-                gaussian: if stands { curvature.gaussian } else { 0.0 },
+                mean_curvature: if stands { curvature.mean_curvature } else { 0.0 },
+                gaussian_curvature: if stands { curvature.gaussian_curvature } else { 0.0 },
             };
         }
         self.surface.add(&areas, &curvatures);

@@ -8,9 +8,9 @@ use super::Jet;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Curvature {
     /// H = (k1 + k2) / 2, 1/mm.
-    pub mean: f64,
+    pub mean_curvature: f64,
     /// K = k1 k2, 1/mm^2.
-    pub gaussian: f64,
+    pub gaussian_curvature: f64,
 }
 
 impl Curvature {
@@ -28,7 +28,7 @@ impl Curvature {
 
     #[inline(always)]
     pub(crate) fn is_finite(&self) -> bool {
-        self.mean.is_finite() & self.gaussian.is_finite()
+        self.mean_curvature.is_finite() & self.gaussian_curvature.is_finite()
     }
 
     /// H and K by their formula, whatever comes out where there is no normal.
@@ -48,25 +48,28 @@ impl Curvature {
             + 2.0 * x * z * (xy * yz - xz * yy);
         // One division and one root are what these cost.
         let inverse = 1.0 / square;
-        Self { mean: 0.5 * h * inverse * inverse * square.sqrt(), gaussian: k * inverse * inverse }
+        Self {
+            mean_curvature: 0.5 * h * inverse * inverse * square.sqrt(),
+            gaussian_curvature: k * inverse * inverse,
+        }
     }
 
     /// The larger of |k1| and |k2|, |H| + sqrt(H^2 - K), 1/mm.
     #[inline(always)]
     pub fn larger(&self) -> f64 {
-        self.mean.abs() + self.half_difference()
+        self.mean_curvature.abs() + self.half_difference()
     }
 
     /// (k1 - k2) / 2. H^2 - K, which rounding can make negative at umbilics, is clamped at 0.
     #[inline(always)]
     fn half_difference(&self) -> f64 {
-        (self.mean * self.mean - self.gaussian).max(0.0).sqrt()
+        (self.mean_curvature * self.mean_curvature - self.gaussian_curvature).max(0.0).sqrt()
     }
 
     /// k1 >= k2, 1/mm.
     pub fn principal(&self) -> [f64; 2] {
         let root = self.half_difference();
-        [self.mean + root, self.mean - root]
+        [self.mean_curvature + root, self.mean_curvature - root]
     }
 }
 
@@ -116,8 +119,8 @@ mod tests {
             let jet = Jet { value: 0.0, gradient, hessian };
             prop_assume!(jet.gradient_magnitude() > 0.1);
             let curvature = Curvature::of(&jet).unwrap();
-            prop_assert!((curvature.gaussian - bordered_determinant_k(&jet)).abs() < 1e-9 * (1.0 + curvature.gaussian.abs()));
-            prop_assert!((curvature.mean - divergence_h(&jet)).abs() < 1e-11 * (1.0 + curvature.mean.abs()));
+            prop_assert!((curvature.gaussian_curvature - bordered_determinant_k(&jet)).abs() < 1e-9 * (1.0 + curvature.gaussian_curvature.abs()));
+            prop_assert!((curvature.mean_curvature - divergence_h(&jet)).abs() < 1e-11 * (1.0 + curvature.mean_curvature.abs()));
             let [k1, k2] = curvature.principal();
             prop_assert!(k1 >= k2);
         }

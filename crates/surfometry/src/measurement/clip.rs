@@ -159,7 +159,7 @@ pub(super) struct BoundaryTerms {
     /// Integral of H times the normal's slope against the cut: by how much the area between the cuts grows where the surface moves out by H.
     pub(super) area: f64,
     /// The same of H^2, for M.
-    pub(super) mean: f64,
+    pub(super) total_mean_curvature: f64,
 }
 
 impl MeasuredPart {
@@ -230,8 +230,9 @@ impl BoundaryTerms {
         if bending.is_finite() {
             self.curvature += cell * band.delta().delta(voxel.jet.value) * bending * slope;
         }
-        self.area += cell * density * curvature.mean * slope;
-        self.mean += cell * density * curvature.mean * curvature.mean * slope;
+        self.area += cell * density * curvature.mean_curvature * slope;
+        self.total_mean_curvature +=
+            cell * density * curvature.mean_curvature * curvature.mean_curvature * slope;
     }
 
     /// Where the boundary turns from one plane into another: the exterior angle within the surface.

@@ -178,7 +178,7 @@ impl Setup {
         let mut terms = compensation_terms(&integrals, sigma, variance, self.terraces.as_ref());
         if let Some(OpenPart { boundary, .. }) = open {
             terms.shift.area += sigma * sigma * boundary.area;
-            terms.shift.mean += sigma * sigma * boundary.mean;
+            terms.shift.total_mean_curvature += sigma * sigma * boundary.total_mean_curvature;
         }
         Some(terms)
     }
@@ -191,7 +191,7 @@ impl Setup {
     /// Area before the blur, about.
     fn original_area(&self, integrals: &Integrals) -> f64 {
         let (sigma, surface) = (self.parameters.shift_sigma().unwrap_or(0.0), &integrals.surface);
-        surface.area + 2.0 * sigma * sigma * surface.mean_squared
+        surface.area + 2.0 * sigma * sigma * surface.total_squared_mean_curvature
     }
 
     /// How far integrals are from exact; `None` where that was not studied.

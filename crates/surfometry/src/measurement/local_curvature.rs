@@ -130,8 +130,8 @@ impl Measurement {
             let others = [&fine, &coarse].map(|(scheme, width)| curvatures(scheme, tile, 2.0 * width));
             let change = |(index, here): (&[i64; 3], &Curvature)| {
                 let difference = |there: &Curvature| {
-                    let mean = (there.mean - here.mean) * radius;
-                    let gaussian = (there.gaussian - here.gaussian) * radius * radius;
+                    let mean = (there.mean_curvature - here.mean_curvature) * radius;
+                    let gaussian = (there.gaussian_curvature - here.gaussian_curvature) * radius * radius;
                     mean * mean + gaussian * gaussian
                 };
                 // Where the surface has gone elsewhere, curvature has changed altogether.

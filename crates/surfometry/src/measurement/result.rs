@@ -124,11 +124,11 @@ impl SurfaceValues {
         Self {
             volume_mm3: Some(integrals.volume),
             surface_area_mm2: Some(surface.area),
-            total_mean_curvature_mm: Some(surface.mean),
-            average_mean_curvature_per_mm: Some(surface.mean / surface.area),
-            total_gaussian_curvature: Some(surface.gaussian),
-            euler_characteristic: Some(surface.gaussian / TAU),
-            total_squared_mean_curvature: Some(surface.mean_squared),
+            total_mean_curvature_mm: Some(surface.total_mean_curvature),
+            average_mean_curvature_per_mm: Some(surface.total_mean_curvature / surface.area),
+            total_gaussian_curvature: Some(surface.total_gaussian_curvature),
+            euler_characteristic: Some(surface.total_gaussian_curvature / TAU),
+            total_squared_mean_curvature: Some(surface.total_squared_mean_curvature),
         }
     }
 
@@ -137,11 +137,11 @@ impl SurfaceValues {
         Self {
             volume_mm3: Some(e.volume),
             surface_area_mm2: Some(e.area),
-            total_mean_curvature_mm: Some(e.mean),
-            average_mean_curvature_per_mm: Some(e.average),
-            total_gaussian_curvature: Some(e.gaussian),
-            euler_characteristic: Some(e.gaussian / TAU),
-            total_squared_mean_curvature: Some(e.mean_squared),
+            total_mean_curvature_mm: Some(e.total_mean_curvature),
+            average_mean_curvature_per_mm: Some(e.average_mean_curvature),
+            total_gaussian_curvature: Some(e.total_gaussian_curvature),
+            euler_characteristic: Some(e.total_gaussian_curvature / TAU),
+            total_squared_mean_curvature: Some(e.total_squared_mean_curvature),
         }
     }
 
@@ -150,8 +150,8 @@ impl SurfaceValues {
         Self {
             volume_mm3: Some(c.volume),
             surface_area_mm2: Some(c.area),
-            total_mean_curvature_mm: Some(c.mean),
-            average_mean_curvature_per_mm: Some(c.mean / c.area),
+            total_mean_curvature_mm: Some(c.total_mean_curvature),
+            average_mean_curvature_per_mm: Some(c.total_mean_curvature / c.area),
             ..Self::default()
         }
     }
@@ -161,8 +161,8 @@ impl SurfaceValues {
         Self {
             volume_mm3: Some(e.volume),
             surface_area_mm2: Some(e.area),
-            total_mean_curvature_mm: Some(e.mean),
-            average_mean_curvature_per_mm: Some(e.average),
+            total_mean_curvature_mm: Some(e.total_mean_curvature),
+            average_mean_curvature_per_mm: Some(e.average_mean_curvature),
             ..Self::default()
         }
     }

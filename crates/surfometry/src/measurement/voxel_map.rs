@@ -103,8 +103,8 @@ impl Object {
     fn band_value(&self, voxel: &BandVoxel, quantity: VoxelQuantity) -> f64 {
         let Some((density, curvature)) = self.setup.band.element(&voxel.jet) else { return 0.0 };
         match quantity {
-            VoxelQuantity::MeanCurvature => curvature.mean,
-            VoxelQuantity::GaussianCurvature => curvature.gaussian,
+            VoxelQuantity::MeanCurvature => curvature.mean_curvature,
+            VoxelQuantity::GaussianCurvature => curvature.gaussian_curvature,
             VoxelQuantity::Delta => density,
             VoxelQuantity::Phi | VoxelQuantity::Band => 1.0,
         }

@@ -196,7 +196,7 @@ fn mesh_flag(e: &Evidence, plain: &Integrals) -> Option<Flag> {
 
 fn topology_flags(e: &Evidence) -> Vec<Flag> {
     let Some(plain) = e.with_surface() else { return Vec::new() };
-    let chi = plain.surface.gaussian / std::f64::consts::TAU;
+    let chi = plain.surface.total_gaussian_curvature / std::f64::consts::TAU;
     if let Some(boundary) = e.boundary_curvature {
         return open_topology_flags(e, chi + boundary / std::f64::consts::TAU);
     }

@@ -258,8 +258,8 @@ fn curved_triangle<S: Shape + ?Sized>(shape: &S, [a, b, c]: [Vertex; 3]) -> Sums
                 sums = sums.plus(Sums {
                     volume: area * dot(point, normal) / 3.0,
                     area,
-                    mean: area * curvature.mean,
-                    gaussian: area * curvature.gaussian,
+                    mean: area * curvature.mean_curvature,
+                    gaussian: area * curvature.gaussian_curvature,
                     larger_squared: area * curvature.larger().powi(2),
                 });
             }

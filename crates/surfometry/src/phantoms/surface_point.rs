@@ -76,8 +76,11 @@ mod tests {
             });
             let point = phantom.surface_point(world).unwrap();
             assert!((point.distance - distance).abs() < 1e-6, "{point:?}");
-            assert!((point.curvature.gaussian - curvature[0] * curvature[1]).abs() < 1e-8, "{point:?}");
-            assert!((point.curvature.mean - 0.5 * (curvature[0] + curvature[1])).abs() < 1e-8);
+            assert!(
+                (point.curvature.gaussian_curvature - curvature[0] * curvature[1]).abs() < 1e-8,
+                "{point:?}"
+            );
+            assert!((point.curvature.mean_curvature - 0.5 * (curvature[0] + curvature[1])).abs() < 1e-8);
         }
         let ball = Phantom::new(Ball { radius: 7.0 }, pose, [1.0; 3]).unwrap();
         assert!((ball.rms_curvature() - 1.0 / 7.0).abs() < 1e-9);

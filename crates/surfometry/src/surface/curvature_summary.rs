@@ -40,14 +40,18 @@ impl CurvatureSummary {
         };
         let share = |holds: &dyn Fn(&Curvature) -> bool| integral(&|c| f64::from(u8::from(holds(c)))) / total;
         (total > 0.0).then(|| Self {
-            bending_energy: integral(&|c| 4.0 * c.mean * c.mean - 2.0 * c.gaussian),
+            bending_energy: integral(&|c| {
+                4.0 * c.mean_curvature * c.mean_curvature - 2.0 * c.gaussian_curvature
+            }),
             folding_index: integral(&folding) / (4.0 * PI),
-            intrinsic_curvature_index: integral(&|c| c.gaussian.max(0.0)) / (4.0 * PI),
-            sharpness: integral(&|c| 4.0 * (c.mean * c.mean - c.gaussian).max(0.0)),
+            intrinsic_curvature_index: integral(&|c| c.gaussian_curvature.max(0.0)) / (4.0 * PI),
+            sharpness: integral(&|c| {
+                4.0 * (c.mean_curvature * c.mean_curvature - c.gaussian_curvature).max(0.0)
+            }),
             mean_shape_index: integral(&Curvature::shape_index) / total,
             mean_curvedness_per_mm: integral(&Curvature::curvedness) / total,
-            convex_share: share(&|c| c.mean > 0.0),
-            saddle_share: share(&|c| c.gaussian < 0.0),
+            convex_share: share(&|c| c.mean_curvature > 0.0),
+            saddle_share: share(&|c| c.gaussian_curvature < 0.0),
         })
     }
 }

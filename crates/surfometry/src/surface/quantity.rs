@@ -66,8 +66,8 @@ impl LocalQuantity {
     pub fn at(self, vertex: &VertexGeometry) -> Option<f64> {
         let curvature = &vertex.curvature;
         match self {
-            Self::MeanCurvature => Some(curvature.mean),
-            Self::GaussianCurvature => Some(curvature.gaussian),
+            Self::MeanCurvature => Some(curvature.mean_curvature),
+            Self::GaussianCurvature => Some(curvature.gaussian_curvature),
             Self::K1 => Some(curvature.principal()[0]),
             Self::K2 => Some(curvature.principal()[1]),
             Self::ShapeIndex => Some(curvature.shape_index()),

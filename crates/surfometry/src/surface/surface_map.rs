@@ -37,7 +37,7 @@ impl Surface {
         let geometry_at = |jet: &Jet| {
             let curvature = band.curvature(jet)?;
             let displacement = match extras {
-                VertexExtras::Shift { sigma } => Some(-sigma * sigma * curvature.mean),
+                VertexExtras::Shift { sigma } => Some(-sigma * sigma * curvature.mean_curvature),
                 _ => None,
             };
             Some(VertexGeometry::of(jet, curvature, displacement, grid))
@@ -172,8 +172,8 @@ fn add_differences(geometry: &mut [Option<VertexGeometry>], plain: &[Jet]) {
             let (c, p) = (vertex.curvature, plain);
             let [k1, k2] = [0, 1].map(|n| of(c.principal()[n], p.principal()[n]));
             vertex.errors = Some(CurvatureErrors {
-                mean: of(c.mean, p.mean),
-                gaussian: of(c.gaussian, p.gaussian),
+                mean_curvature: of(c.mean_curvature, p.mean_curvature),
+                gaussian_curvature: of(c.gaussian_curvature, p.gaussian_curvature),
                 principal: k1.max(k2),
                 shape_index: 0.0,
             });

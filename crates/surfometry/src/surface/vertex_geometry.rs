@@ -38,8 +38,8 @@ const DIRECTION_ARRAYS: [DirectionArray; 3] =
 type ErrorArray = (&'static str, fn(&CurvatureErrors) -> f32);
 
 const ERROR_ARRAYS: [ErrorArray; 5] = [
-    ("mean_curvature_per_mm_standard_error", |e| e.mean),
-    ("gaussian_curvature_per_mm2_standard_error", |e| e.gaussian),
+    ("mean_curvature_per_mm_standard_error", |e| e.mean_curvature),
+    ("gaussian_curvature_per_mm2_standard_error", |e| e.gaussian_curvature),
     ("k1_per_mm_standard_error", |e| e.principal),
     ("k2_per_mm_standard_error", |e| e.principal),
     ("shape_index_standard_error", |e| e.shape_index),
@@ -66,7 +66,7 @@ impl VertexGeometry {
     /// Where the gradient has collapsed: flat, with a normal from elsewhere.
     pub(super) fn collapsed(normal: [f64; 3], displacement: Option<f64>) -> Self {
         let direction_1 = tangent(normal);
-        let curvature = Curvature { mean: 0.0, gaussian: 0.0 };
+        let curvature = Curvature { mean_curvature: 0.0, gaussian_curvature: 0.0 };
         let direction_2 = cross(normal, direction_1);
         Self { normal, curvature, direction_1, direction_2, displacement, errors: None, has_normal: false }
     }
@@ -146,7 +146,7 @@ mod tests {
     use super::*;
 
     fn curvature(k1: f64, k2: f64) -> Curvature {
-        Curvature { mean: 0.5 * (k1 + k2), gaussian: k1 * k2 }
+        Curvature { mean_curvature: 0.5 * (k1 + k2), gaussian_curvature: k1 * k2 }
     }
 
     #[test]

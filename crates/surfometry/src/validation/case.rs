@@ -177,11 +177,14 @@ fn local_errors(phantom: &Phantom, mask: &Mask, curvature: f64) -> Result<LocalE
         let Some(SurfacePoint { distance, curvature: exact }) = phantom.surface_point(*position) else {
             continue;
         };
-        let (mean, gaussian) =
-            (vertex.curvature.mean - exact.mean, vertex.curvature.gaussian - exact.gaussian);
+        let (mean, gaussian) = (
+            vertex.curvature.mean_curvature - exact.mean_curvature,
+            vertex.curvature.gaussian_curvature - exact.gaussian_curvature,
+        );
         let within = |error: f64, bar: f32| f64::from(u8::from(error.abs() <= 1.96 * f64::from(bar)));
-        let covered =
-            vertex.errors.map_or([0.0; 2], |e| [within(mean, e.mean), within(gaussian, e.gaussian)]);
+        let covered = vertex
+            .errors
+            .map_or([0.0; 2], |e| [within(mean, e.mean_curvature), within(gaussian, e.gaussian_curvature)]);
         let terms = [mean * mean, gaussian * gaussian, distance * distance, covered[0], covered[1]];
         sums.iter_mut().zip(terms).for_each(|(sum, term)| *sum += area * term);
         total += area;
