@@ -17,6 +17,30 @@ pub struct CurvatureErrors {
     pub shape_index: f32,
 }
 
+/// By how much the curvature of the embedding that is not corrected differs, in magnitude.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CurvatureDifferences {
+    /// H, 1/mm.
+    pub mean_curvature: f32,
+    /// K, 1/mm^2.
+    pub gaussian_curvature: f32,
+    /// The larger of those of k1 and k2, 1/mm.
+    pub principal: f32,
+}
+
+impl CurvatureDifferences {
+    /// Of two curvatures.
+    pub(crate) fn of(a: &Curvature, b: &Curvature) -> Self {
+        let of = |a: f64, b: f64| (a - b).abs() as f32;
+        let [k1, k2] = [0, 1].map(|n| of(a.principal()[n], b.principal()[n]));
+        Self {
+            mean_curvature: of(a.mean_curvature, b.mean_curvature),
+            gaussian_curvature: of(a.gaussian_curvature, b.gaussian_curvature),
+            principal: k1.max(k2),
+        }
+    }
+}
+
 impl CurvatureErrors {
     /// Where there is no curvature: that of a voxel's size, which is all that can be said.
     pub(crate) fn unknown(spacing: Spacing) -> Self {
@@ -67,7 +91,7 @@ impl LocalErrorModel {
         &self,
         curvature: &Curvature,
         along_axis: f64,
-        differences: CurvatureErrors,
+        differences: &CurvatureDifferences,
     ) -> CurvatureErrors {
         let ([near, away], [of_mean, of_gaussian, of_principal]) = (SHARES, REMAINDER);
         let noise = self.noise * if along_axis > NEAR_AXIS { near } else { away };

@@ -14,7 +14,7 @@ pub use compensation::{CompensatedIntegrals, CompensationTerms, compensation_ter
 pub use curvature_scale::{PILOT_SPACINGS, auto_curvature_sigma, balanced_sigma, rms_spacing};
 pub use flags::{Flag, FlagCode};
 pub(crate) use flags::{decimals_for, place_text};
-pub use local_errors::{CurvatureErrors, LocalErrorModel};
+pub use local_errors::{CurvatureDifferences, CurvatureErrors, LocalErrorModel};
 pub use scale::{
     AUTO_SIGMA_SPACINGS, AUTO_THICKNESS_SPACINGS, auto_sigma, auto_thickness, auto_thickness_of_blur,
     band_variance, epsilon_of_blur, thickness_of_blur,

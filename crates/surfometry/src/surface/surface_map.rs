@@ -4,7 +4,7 @@ use super::isosurface::{cell_limits, stitched};
 use super::tile_mesh::TileMesh;
 use super::{CurvatureSummary, Distribution, LocalQuantity, Mesh, VertexArray, VertexGeometry};
 use crate::Choice;
-use crate::accuracy::{CurvatureErrors, LocalErrorModel};
+use crate::accuracy::{CurvatureDifferences, CurvatureErrors, LocalErrorModel};
 use crate::integrals::Band;
 use crate::local_geometry::{Curvature, Differentiation, FieldValue, Jet, TileField};
 use crate::tiling::{IndexBox, Pool, TILE};
@@ -51,38 +51,48 @@ impl Surface {
                         mesh.own_vertices().map(|(_, position)| position).collect();
                     let jets = scheme.jets_at(&field, &positions);
                     *memory = field.into_storage();
-                    let mut geometry: Vec<_> = jets.iter().map(geometry_at).collect();
-                    if let VertexExtras::Errors { plain_jets, .. } = extras {
-                        add_differences(&mut geometry, &plain_jets(&positions));
-                    }
-                    (mesh, geometry)
+                    let geometry: Vec<_> = jets.iter().map(geometry_at).collect();
+                    let differences = match extras {
+                        VertexExtras::Errors { plain_jets, .. } => {
+                            differences(&geometry, &plain_jets(&positions))
+                        }
+                        _ => Vec::new(),
+                    };
+                    (mesh, (geometry, differences))
                 }
             })
         };
-        let (meshes, geometry): (Vec<TileMesh>, Vec<_>) = limits.tiles(TILE).par_iter().map(part).unzip();
+        let (meshes, (geometry, differences)): (Vec<TileMesh>, (Vec<_>, Vec<_>)) =
+            limits.tiles(TILE).par_iter().map(part).unzip();
         let mesh = stitched(&meshes, grid);
         drop(meshes);
         let still = matches!(extras, VertexExtras::Shift { .. }).then_some(0.0);
         let mut surface = Self { vertices: completed(&mesh, geometry, still), mesh };
         if let VertexExtras::Errors { sigma, spacing, .. } = extras {
-            surface.set_errors(*sigma, *spacing, grid);
+            surface.set_errors(*sigma, *spacing, grid, differences.into_iter().flatten());
         }
         surface
     }
 
-    /// Turns differences to the plain blur into standard errors.
-    fn set_errors(&mut self, sigma: f64, spacing: Spacing, grid: &Grid) {
+    /// Standard errors, also from how far the plain blur's curvature is from the corrected one at each vertex, where it has one.
+    fn set_errors(
+        &mut self,
+        sigma: f64,
+        spacing: Spacing,
+        grid: &Grid,
+        differences: impl Iterator<Item = Option<CurvatureDifferences>>,
+    ) {
         let larger = self.vertices.iter().map(|v| v.curvature.larger().powi(2));
         let (square, area) = larger
             .zip(self.weights())
             .fold((0.0, 0.0), |(square, area), (value, weight)| (square + value * weight, area + weight));
         let model = LocalErrorModel::new(sigma, spacing, (area / square).sqrt());
-        for vertex in &mut self.vertices {
+        for (vertex, differences) in self.vertices.iter_mut().zip(differences) {
             let along_axis = grid.cosine_to_nearest_axis(vertex.normal);
-            let known = vertex.errors.filter(|_| vertex.has_normal);
+            let known = differences.filter(|_| vertex.has_normal);
             vertex.errors = Some(known.map_or_else(
                 || CurvatureErrors::unknown(spacing),
-                |differences| model.errors(&vertex.curvature, along_axis, differences),
+                |differences| model.errors(&vertex.curvature, along_axis, &differences),
             ));
         }
     }
@@ -164,21 +174,12 @@ pub(crate) enum VertexExtras<'a> {
     },
 }
 
-/// Keeps, in place of standard errors, how far the plain blur's H and K are from the corrected ones.
-fn add_differences(geometry: &mut [Option<VertexGeometry>], plain: &[Jet]) {
-    for (vertex, jet) in geometry.iter_mut().zip(plain) {
-        if let (Some(vertex), Some(plain)) = (vertex, Curvature::of(jet)) {
-            let of = |a: f64, b: f64| (a - b).abs() as f32;
-            let (c, p) = (vertex.curvature, plain);
-            let [k1, k2] = [0, 1].map(|n| of(c.principal()[n], p.principal()[n]));
-            vertex.errors = Some(CurvatureErrors {
-                mean_curvature: of(c.mean_curvature, p.mean_curvature),
-                gaussian_curvature: of(c.gaussian_curvature, p.gaussian_curvature),
-                principal: k1.max(k2),
-                shape_index: 0.0,
-            });
-        }
-    }
+/// How far the plain blur's H and K are from the corrected ones, vertex by vertex.
+fn differences(geometry: &[Option<VertexGeometry>], plain: &[Jet]) -> Vec<Option<CurvatureDifferences>> {
+    let difference = |(vertex, jet): (&Option<VertexGeometry>, &Jet)| {
+        Some(CurvatureDifferences::of(&vertex.as_ref()?.curvature, &Curvature::of(jet)?))
+    };
+    geometry.iter().zip(plain).map(difference).collect()
 }
 
 /// Gives vertices whose gradient has collapsed the mean normal of their triangles.
