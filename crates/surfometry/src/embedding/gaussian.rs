@@ -1,7 +1,7 @@
 //! The blurred indicator: the paper's embedding, and the one whose leading shift is taken off.
 
 use super::blur::Blur;
-use super::point_kernel::{PointDerivatives, PointKernel};
+use super::point_kernel::{PointDerivatives, PointKernel, PointMemory};
 use super::separable::{Orders, Separable};
 use super::{EdgeProfile, Embedding, Indicator};
 use crate::tiling::{Block, IndexBox, Pool};
@@ -85,12 +85,12 @@ impl<'a> GaussianEmbedding<'a> {
     }
 
     /// The blurred indicator and its derivatives at a fractional voxel index.
-    pub(crate) fn convolve_at(&self, point: [f64; 3]) -> PointDerivatives {
+    pub(crate) fn convolve_at(&self, point: [f64; 3], memory: &mut PointMemory) -> PointDerivatives {
         let mut total = [0.0; 10];
         for term in &self.terms {
             let kernel =
                 term.at_points.get_or_init(|| PointKernel::new(term.sigma, self.spacing(), term.truncation));
-            let found = kernel.convolve(self.indicator, point);
+            let found = kernel.convolve(self.indicator, point, memory);
             total.iter_mut().zip(found).for_each(|(sum, value)| *sum += term.weight * value);
         }
         total

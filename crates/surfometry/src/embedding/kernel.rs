@@ -105,7 +105,7 @@ impl Samples {
 }
 
 /// Running sums of a kernel, which turn the convolution of a row of runs into two look-ups a voxel and run.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub(crate) struct CumulativeKernel {
     radius: i64,
     /// `sums[k]` is the sum of the first k taps.
@@ -118,17 +118,23 @@ impl CumulativeKernel {
     }
 
     /// Of an odd number of taps of a derivative order.
-    pub(crate) fn of_taps(taps: &[f64], order: usize) -> Self {
-        let mut sums = Vec::with_capacity(taps.len() + 1);
-        sums.push(0.0);
+    fn of_taps(taps: &[f64], order: usize) -> Self {
+        let mut kernel = Self::default();
+        kernel.set_taps(taps, order);
+        kernel
+    }
+
+    /// Becomes that of other taps.
+    pub(crate) fn set_taps(&mut self, taps: &[f64], order: usize) {
+        self.radius = taps.len() as i64 / 2;
+        self.sums.clear();
+        let mut sum = 0.0;
         for tap in taps {
-            sums.push(sums[sums.len() - 1] + tap);
+            self.sums.push(sum);
+            sum += tap;
         }
         // The full sum is known: exact saturation makes a row's value independent of runs out of reach.
-        let total = if order == 0 { 1.0 } else { 0.0 };
-        sums.pop();
-        sums.push(total);
-        Self { radius: taps.len() as i64 / 2, sums }
+        self.sums.push(if order == 0 { 1.0 } else { 0.0 });
     }
 
     /// Sum of the taps from number `a` up to, not including, number `b`.

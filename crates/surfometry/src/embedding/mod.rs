@@ -19,6 +19,7 @@ pub use edge_profile::EdgeProfile;
 pub use gaussian::GaussianEmbedding;
 pub use indicator::{Indicator, Row};
 pub use kernel::{GaussianKernel, TRUNCATION, TRUNCATION_OF_BLUR};
+pub(crate) use point_kernel::PointMemory;
 pub use precision::Precision;
 
 use crate::tiling::{Block, IndexBox};

@@ -4,10 +4,21 @@ use super::kernel::{CumulativeKernel, Samples, WHOLE};
 use super::{Indicator, Row};
 
 /// Taps of orders 0 to 2 around a fractional position on one axis.
+#[derive(Debug, Default)]
 struct AxisTaps {
     /// Voxel of the first tap.
     first: i64,
     orders: [Vec<f64>; 3],
+    /// Positions and values of the Gaussian.
+    bell: Vec<(f64, f64)>,
+}
+
+/// Memory that one point after the other is convolved in.
+#[derive(Debug, Default)]
+pub(crate) struct PointMemory {
+    axes: [AxisTaps; 3],
+    sums: [CumulativeKernel; 3],
+    voxels: Row,
 }
 
 /// What does not depend on the position: the Gaussian at whole steps from it, and its moments before the cut.
@@ -29,32 +40,30 @@ impl AxisBell {
     }
 
     /// Normalised as the kernels of the grid are ([`GaussianKernel`](super::GaussianKernel)), and equal to them at a voxel.
-    fn taps_at(&self, position: f64) -> AxisTaps {
+    fn taps_at(&self, position: f64, AxisTaps { first, orders, bell: taps }: &mut AxisTaps) {
         let centre = position.round();
         let offset = position - centre;
         let radius = self.bell.len() as i64 / 2;
         // exp(-(d - f)^2 h^2 / 2 sigma^2) = bell(d) q^d up to a factor that normalising takes off.
         let q = libm::exp(offset * (self.spacing / self.sigma).powi(2));
         let mut growth = libm::pow(q, -radius as f64);
-        let mut taps = Vec::with_capacity(self.bell.len());
+        taps.clear();
         for (d, bell) in (-radius..=radius).zip(&self.bell) {
             taps.push(((d as f64 - offset) * self.spacing, bell * growth));
             growth *= q;
         }
         let sum: f64 = taps.iter().map(|t| t.1).sum();
-        for tap in &mut taps {
+        for tap in &mut *taps {
             tap.1 /= sum;
         }
         let mean: f64 = taps.iter().map(|(u, g)| u * g).sum();
         let square: f64 = taps.iter().map(|(u, g)| u * u * g).sum();
-        let order = |weight: &dyn Fn(f64) -> f64| taps.iter().map(|&(u, g)| weight(u) * g).collect();
-        AxisTaps {
-            first: centre as i64 - radius,
-            orders: [
-                order(&|_| 1.0),
-                order(&|u| (u - mean) / self.variance),
-                order(&|u| (u * u - square) * self.bend),
-            ],
+        *first = centre as i64 - radius;
+        let weights: [&dyn Fn(f64) -> f64; 3] =
+            [&|_| 1.0, &|u| (u - mean) / self.variance, &|u| (u * u - square) * self.bend];
+        for (order, weight) in orders.iter_mut().zip(weights) {
+            order.clear();
+            order.extend(taps.iter().map(|&(u, g)| weight(u) * g));
         }
     }
 }
@@ -74,11 +83,20 @@ impl PointKernel {
     }
 
     /// The blurred indicator and its derivatives, in mm, at a fractional voxel index.
-    pub(crate) fn convolve(&self, indicator: &dyn Indicator, point: [f64; 3]) -> PointDerivatives {
-        let [x, y, z]: [AxisTaps; 3] = std::array::from_fn(|a| self.axes[a].taps_at(point[a]));
-        let sums = [0, 1, 2].map(|order| CumulativeKernel::of_taps(&x.orders[order], order));
+    pub(crate) fn convolve(
+        &self,
+        indicator: &dyn Indicator,
+        point: [f64; 3],
+        PointMemory { axes, sums, voxels }: &mut PointMemory,
+    ) -> PointDerivatives {
+        for ((axis, taps), position) in self.axes.iter().zip(&mut *axes).zip(point) {
+            axis.taps_at(position, taps);
+        }
+        let [x, y, z] = axes;
+        for (order, (sum, taps)) in sums.iter_mut().zip(&x.orders).enumerate() {
+            sum.set_taps(taps, order);
+        }
         let span = (x.first, x.first + x.orders[0].len() as i64);
-        let mut voxels = Row::default();
         let mut total = [0.0; 10];
         for (row_z, slice) in (z.first..).zip(0..z.orders[0].len()) {
             // By order along x and y: 00, 10, 20, 01, 11, 02.
@@ -86,9 +104,9 @@ impl PointKernel {
             for (row_y, line) in (y.first..).zip(0..y.orders[0].len()) {
                 let mut row = [0.0; 3];
                 voxels.clear(span);
-                indicator.read_row(row_y, row_z, &mut voxels);
+                indicator.read_row(row_y, row_z, voxels);
                 for (from, to) in voxels.runs() {
-                    for (value, sum) in row.iter_mut().zip(&sums) {
+                    for (value, sum) in row.iter_mut().zip(&*sums) {
                         *value += sum.between(from - x.first, to - x.first);
                     }
                 }

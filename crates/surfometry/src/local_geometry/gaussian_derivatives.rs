@@ -3,7 +3,7 @@
 use super::interpolation::interpolated_values;
 use super::jet::ORDERS;
 use super::{BandVoxels, Differentiation, Jet, band_indices, hull_of_points};
-use crate::embedding::GaussianEmbedding;
+use crate::embedding::{GaussianEmbedding, PointMemory};
 use crate::tiling::{Block, IndexBox};
 
 /// First and second derivatives straight from the mask, without differences.
@@ -102,8 +102,9 @@ fn jet_of_blur(phi: f64, unit: f64, derivative: impl Fn(usize) -> f64) -> Jet {
 
 impl GaussianDerivatives<'_> {
     fn convolved(&self, points: &[[f64; 3]]) -> Vec<Jet> {
+        let mut memory = PointMemory::default();
         let jet_at = |point: &[f64; 3]| {
-            let [value, derivatives @ ..] = self.embedding.convolve_at(*point);
+            let [value, derivatives @ ..] = self.embedding.convolve_at(*point, &mut memory);
             jet_of_blur(self.embedding.level() - value, 1.0, |n| derivatives[n])
         };
         points.iter().map(jet_at).collect()

@@ -151,7 +151,7 @@ fn surface_figure(surface: &Surface, style: &PictureStyle, caption: &str) -> Res
 fn histogram_figure(surface: &Surface, style: &PictureStyle, caption: &str) -> Result<Figure, PictureError> {
     values(surface, style.quantity)?;
     let distribution = surface.distribution(style.quantity);
-    let series = distribution.as_ref().map_or_else(Vec::new, |d| {
+    let series = distribution.map_or_else(Vec::new, |d| {
         let one = |name, weights, moments: &crate::surface::Moments| HistogramSeries {
             name,
             weights,
@@ -162,7 +162,7 @@ fn histogram_figure(surface: &Surface, style: &PictureStyle, caption: &str) -> R
         vec![one("by area", h.by_area.as_slice(), &d.by_area), one("by vertex", &h.by_vertex, &d.by_vertex)]
     });
     HistogramPicture {
-        edges: distribution.as_ref().map_or(&[], |d| &d.histogram.edges),
+        edges: distribution.map_or(&[], |d| &d.histogram.edges),
         series: &series,
         quantity: style.quantity.into(),
         scale: Some(color_scale(surface, style.quantity, style.limit)),

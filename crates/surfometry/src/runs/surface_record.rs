@@ -50,7 +50,7 @@ impl SurfaceRecord {
             record,
             curvature: surface.curvature_summary(),
             quantiles: QUANTILES,
-            distributions: surface.distributions(),
+            distributions: surface.distributions().to_vec(),
             vertices_without_normal,
             files: Vec::new(),
         }

@@ -10,14 +10,17 @@ use crate::local_geometry::{Curvature, Differentiation, FieldValue, Jet, TileFie
 use crate::tiling::{IndexBox, Pool, TILE};
 use crate::volume::{Grid, Spacing};
 use rayon::prelude::*;
+use std::sync::OnceLock;
 
-/// The level set phi = 0: a mesh, and the geometry at each of its vertices, from the field's derivatives there.
+/// The level set phi = 0: a mesh, and the geometry at each of its vertices, from the field's derivatives there. Distributions are
+/// those of the vertices as they were when one was first asked for.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Surface {
     /// The mesh.
     pub mesh: Mesh,
     /// One a vertex.
     pub vertices: Vec<VertexGeometry>,
+    distributions: OnceLock<Vec<Distribution>>,
 }
 
 impl Surface {
@@ -67,7 +70,8 @@ impl Surface {
         let mesh = stitched(&meshes, grid);
         drop(meshes);
         let still = matches!(extras, VertexExtras::Shift { .. }).then_some(0.0);
-        let mut surface = Self { vertices: completed(&mesh, geometry, still), mesh };
+        let vertices = completed(&mesh, geometry, still);
+        let mut surface = Self { mesh, vertices, distributions: OnceLock::new() };
         if let VertexExtras::Errors { sigma, spacing, .. } = extras {
             surface.set_errors(*sigma, *spacing, grid, differences.into_iter().flatten());
         }
@@ -129,15 +133,18 @@ impl Surface {
     }
 
     /// Distributions of all quantities, by area and by vertex.
-    pub fn distributions(&self) -> Vec<Distribution> {
-        let areas = self.weights();
-        LocalQuantity::ALL.iter().copied().filter_map(|quantity| self.weighted(quantity, &areas)).collect()
+    pub fn distributions(&self) -> &[Distribution] {
+        self.distributions.get_or_init(|| {
+            let areas = self.weights();
+            let of = |quantity: &LocalQuantity| self.weighted(*quantity, &areas);
+            LocalQuantity::ALL.par_iter().filter_map(of).collect()
+        })
     }
 
     /// Distribution of one quantity, without the vertices whose gradient has collapsed; `None` where it is not defined, or
     /// nothing is left.
-    pub fn distribution(&self, quantity: LocalQuantity) -> Option<Distribution> {
-        self.weighted(quantity, &self.weights())
+    pub fn distribution(&self, quantity: LocalQuantity) -> Option<&Distribution> {
+        self.distributions().iter().find(|distribution| distribution.name == quantity.name())
     }
 
     fn weighted(&self, quantity: LocalQuantity, areas: &[f64]) -> Option<Distribution> {
