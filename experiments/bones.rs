@@ -62,7 +62,8 @@ pub(crate) fn phantom_mask(spec: &str) -> Result<Mask> {
     Ok(Phantom::from_spec(spec)?.labels()?.mask(1))
 }
 
-/// The distance embedding measured as in the paper: fourth-order differences, Simpson's rule, a band of 2.5 mm.
+/// The distance embedding measured as in the paper: fourth-order differences, Simpson's rule, a band of 2.5
+/// mm.
 pub(crate) fn paper_distance() -> Measurement {
     Measurement::default()
         .embedding(EmbeddingKind::Distance)

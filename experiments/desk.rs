@@ -12,7 +12,8 @@ use surfometry::pictures::Figure;
 const HERE: &str = env!("CARGO_MANIFEST_DIR");
 const PAGE: &str = "../docs/reproduction.md";
 const IMAGES: &str = "../docs/images/reproduction";
-/// Relative difference from which on a number is another one: sums are the same bits everywhere, the system's mathematical functions need not be.
+/// Relative difference from which on a number is another one: sums are the same bits everywhere, the system's
+/// mathematical functions need not be.
 const TOLERANCE: f64 = 1e-9;
 
 /// A named result.

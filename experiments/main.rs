@@ -1,7 +1,7 @@
 //! The paper's figures and tables, made anew: `cargo run --release -p surfometry-experiments`.
 //!
-//! A folder an experiment: `mod.rs` says what the paper did and does it, `expected/numbers.csv` holds what came out when it was last looked at. What is done already is
-//! not done again.
+//! A folder an experiment: `mod.rs` says what the paper did and does it, `expected/numbers.csv` holds what
+//! came out when it was last looked at. What is done already is not done again.
 
 mod bones;
 mod curvature_flow;

@@ -1,4 +1,5 @@
-//! "Gaussian blurring modifies the underlying object like mean curvature flow": a ball's radius against time, and a bone's surfaces.
+//! "Gaussian blurring modifies the underlying object like mean curvature flow": a ball's radius against time,
+//! and a bone's surfaces.
 
 use crate::Experiment;
 use crate::bones::{phantom_mask, surface_picture};
@@ -68,7 +69,8 @@ fn run(desk: &mut Desk) -> Result<()> {
     )
 }
 
-/// Where a ball's blurred indicator is 1/2: the integral of the ball against a Gaussian, in closed form along its radius, by bisection.
+/// Where a ball's blurred indicator is 1/2: the integral of the ball against a Gaussian, in closed form along
+/// its radius, by bisection.
 fn blurred_radius(sigma: f64) -> f64 {
     let inside = |r: f64| {
         let part = |u: f64| 0.5 * erf(u / (2f64.sqrt() * sigma));

@@ -1,4 +1,5 @@
-//! What the paper left for later: local curvature against exact values on ellipsoids, tori and triply periodic minimal surfaces, and how it converges.
+//! What the paper left for later: local curvature against exact values on ellipsoids, tori and triply
+//! periodic minimal surfaces, and how it converges.
 
 use crate::Experiment;
 use crate::bones::progress;

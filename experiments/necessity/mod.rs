@@ -1,4 +1,5 @@
-//! "Necessity of the embedding technique": one vertebra by the distance transform and by a blur of 1 mm; surfaces, slices, histograms.
+//! "Necessity of the embedding technique": one vertebra by the distance transform and by a blur of 1 mm;
+//! surfaces, slices, histograms.
 
 use crate::Experiment;
 use crate::bones::{paper_distance, phantom_mask};

@@ -1,4 +1,5 @@
-//! The paper's overview of surfaces: the femur and the vertebra of median average mean curvature, H and K on them and their histograms.
+//! The paper's overview of surfaces: the femur and the vertebra of median average mean curvature, H and K on
+//! them and their histograms.
 
 use crate::Experiment;
 use crate::bones::KINDS;

@@ -86,7 +86,8 @@ fn highlighted(bone: &Bone, surface: &Surface) -> Result<surfometry::pictures::F
     .figure()?)
 }
 
-/// Mean place of the saddle-shaped surface beyond the middle of the reach to the side: the inside of the ring.
+/// Mean place of the saddle-shaped surface beyond the middle of the reach to the side: the inside of the
+/// ring.
 fn inner_rim(surface: &Surface) -> Option<[f64; 3]> {
     let reach = surface.mesh.vertices.iter().map(|v| v[0].abs()).fold(0.0, f64::max);
     let inside = surface.mesh.vertices.iter().zip(&surface.vertices).filter(|(place, vertex)| {

@@ -1,4 +1,5 @@
-//! "Structural changes of the proposed embedding technique": V, A, mean H and chi over sigma 1 to 5 mm in 100 steps, t 1.5 mm, and surfaces along the way.
+//! "Structural changes of the proposed embedding technique": V, A, mean H and chi over sigma 1 to 5 mm in 100
+//! steps, t 1.5 mm, and surfaces along the way.
 
 use crate::Experiment;
 use crate::bones::surface_picture;

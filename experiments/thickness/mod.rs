@@ -1,4 +1,5 @@
-//! "Sensitivity of morphometrics to regularization thickness": t 0.5 to 10 mm in 100 steps at sigma 2.5 mm, and what delta and Heaviside look like.
+//! "Sensitivity of morphometrics to regularization thickness": t 0.5 to 10 mm in 100 steps at sigma 2.5 mm,
+//! and what delta and Heaviside look like.
 
 use crate::Experiment;
 use crate::bones::phantom_mask;

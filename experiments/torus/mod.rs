@@ -1,4 +1,5 @@
-//! The paper's figure of a binary torus (inner radius 20 mm, outer 40 mm): curvature from the distance embedding and from the blur, here beside the exact one.
+//! The paper's figure of a binary torus (inner radius 20 mm, outer 40 mm): curvature from the distance
+//! embedding and from the blur, here beside the exact one.
 
 use crate::Experiment;
 use crate::bones::{paper_distance, surface_picture};

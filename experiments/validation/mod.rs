@@ -1,5 +1,6 @@
-//! "Validation of morphometrics": the distance embedding and the proposed one against established methods on re-binarised masks, laid out as the paper's table; and every method against
-//! the original bone, which the paper could not know.
+//! "Validation of morphometrics": the distance embedding and the proposed one against established methods on
+//! re-binarised masks, laid out as the paper's table; and every method against the original bone, which the
+//! paper could not know.
 
 mod measurements;
 mod paper;

@@ -18,7 +18,8 @@ pub(super) struct PaperRow {
 const DISTANCE: &str = "distance on the re-binarised mask";
 const PROPOSED: &str = "paper";
 
-/// All of it. (The slope's interval of the vertebrae's mean curvature by the distance transform is misprinted in the paper: it is the intercept's.)
+/// All of it. (The slope's interval of the vertebrae's mean curvature by the distance transform is misprinted
+/// in the paper: it is the intercept's.)
 pub(super) const PAPER: [PaperRow; 12] = [
     PaperRow {
         method: DISTANCE,

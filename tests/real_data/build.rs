@@ -1,4 +1,5 @@
-//! Tells the tests whether the shared data set is there; those that need it are ignored, visibly, where it is not.
+//! Tells the tests whether the shared data set is there; those that need it are ignored, visibly, where it is
+//! not.
 
 use std::path::Path;
 

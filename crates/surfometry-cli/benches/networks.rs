@@ -1,8 +1,10 @@
-//! How the whole command grows with an object's surface: `cargo bench -p surfometry-cli --bench networks [-- OPTION OF MEASURE...]`.
+//! How the whole command grows with an object's surface:
+//! `cargo bench -p surfometry-cli --bench networks [-- OPTION OF MEASURE...]`.
 //!
-//! Networks like trabecular bone (smoothed noise above a threshold), a gyroid and white noise are written as .nii.gz once, and
-//! `surfometry measure` is run on each, file in, table out. A row has the seconds on the clock, those that `--timings` adds up over
-//! threads, the clock's over what these make on all threads, and the peak of memory. SURFOMETRY names another program to run.
+//! Networks like trabecular bone (smoothed noise above a threshold), a gyroid and white noise are written as
+//! .nii.gz once, and `surfometry measure` is run on each, file in, table out. A row has the seconds on the
+//! clock, those that `--timings` adds up over threads, the clock's over what these make on all threads, and
+//! the peak of memory. SURFOMETRY names another program to run.
 
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
@@ -71,7 +73,8 @@ fn chance(place: usize) -> f32 {
     (bits >> 40) as f32 / (1u32 << 24) as f32
 }
 
-/// The highest 22 % of noise that boxes of 5 voxels smooth three times along each axis, almost a Gaussian of 2.4 voxels.
+/// The highest 22 % of noise that boxes of 5 voxels smooth three times along each axis, almost a Gaussian of
+/// 2.4 voxels.
 fn network(n: usize) -> Vec<u8> {
     let mut values: Vec<f32> = (0..n.pow(3)).into_par_iter().map(chance).collect();
     for _ in 0..3 {

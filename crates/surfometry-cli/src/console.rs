@@ -17,7 +17,8 @@ pub(crate) struct Voice {
     pub(crate) memory: bool,
 }
 
-/// How long a run may take to stop after Ctrl-C before it is ended where it is: what was finished is written by then.
+/// How long a run may take to stop after Ctrl-C before it is ended where it is: what was finished is written
+/// by then.
 const PATIENCE: Duration = Duration::from_millis(150);
 /// Exit status of a run that Ctrl-C ended, as shells have it.
 pub(crate) const INTERRUPTED: u8 = 130;

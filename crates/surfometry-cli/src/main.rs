@@ -12,7 +12,8 @@ mod values;
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
 
-/// Measures the surfaces of segmented 3-D objects: volume, area, mean and Gaussian curvature, Euler characteristic.
+/// Measures the surfaces of segmented 3-D objects: volume, area, mean and Gaussian curvature, Euler
+/// characteristic.
 #[derive(Debug, Parser)]
 #[command(name = "surfometry", version, arg_required_else_help = true)]
 struct Cli {

@@ -68,8 +68,9 @@ impl OutputOptions {
 /// At which scale surfaces are mapped.
 #[derive(Debug, Args)]
 pub(crate) struct CurvatureOptions {
-    /// Map the surface and its curvature in the corrected embedding, as those of the original object, at this blur in mm; auto = what suits the object's
-    /// curvature and the spacing. Integrals keep --sigma [default: the surface as measured]
+    /// Map the surface and its curvature in the corrected embedding, as those of the original object, at this
+    /// blur in mm; auto = what suits the object's curvature and the spacing. Integrals keep --sigma [default:
+    /// the surface as measured]
     #[arg(long, value_name = "MM|auto", value_parser = length, allow_hyphen_values = true)]
     curvature_sigma: Option<Length>,
 }
@@ -123,7 +124,8 @@ pub(crate) struct MeasureOptions {
     /// How an object becomes a field
     #[arg(long, default_value = "gaussian", value_parser = one_of::<EmbeddingKind>())]
     embedding: EmbeddingKind,
-    /// How the field is differentiated [default: matched where sigma is 1.75 to 8 voxels, else gaussian; finite-difference without a blur]
+    /// How the field is differentiated [default: matched where sigma is 1.75 to 8 voxels, else gaussian;
+    /// finite-difference without a blur]
     #[arg(long, value_parser = one_of::<Derivatives>())]
     derivatives: Option<Derivatives>,
     /// How voxels are summed [default: sum]
@@ -132,7 +134,8 @@ pub(crate) struct MeasureOptions {
     /// Profile of the delta [default: sine]
     #[arg(long, value_parser = one_of::<Smearing>())]
     delta: Option<Smearing>,
-    /// What becomes of objects that the edge of the image cuts: closed with a flat cap, or measured between sections 3 sigma from the cuts
+    /// What becomes of objects that the edge of the image cuts: closed with a flat cap, or measured between
+    /// sections 3 sigma from the cuts
     #[arg(long, default_value = "cap", value_parser = one_of::<Clip>())]
     clip: Clip,
     /// The paper's choices: finite-difference, simpson, sigma 2, thickness 2.5; options given beside it win

@@ -12,7 +12,8 @@ pub(crate) struct PictureOptions {
     /// What colours show
     #[arg(long, default_value = "mean-curvature", value_parser = one_of::<LocalQuantity>())]
     quantity: LocalQuantity,
-    /// Magnitude at the ends of the colour scale, in the quantity's unit [default: that of 98 % of the area, rounded]
+    /// Magnitude at the ends of the colour scale, in the quantity's unit [default: that of 98 % of the area,
+    /// rounded]
     #[arg(long, value_name = "NUMBER", value_parser = positive, allow_hyphen_values = true)]
     limit: Option<f64>,
     /// Views: anterior, posterior, left, right, superior, inferior, oblique; several make several panels

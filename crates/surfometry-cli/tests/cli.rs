@@ -421,7 +421,8 @@ fn the_readme_shows_what_the_program_prints() {
     assert!(printed.starts_with(shown), "the README shows\n{shown}\nthe program prints\n{printed}");
 }
 
-/// A closed mesh is measured on a lattice that is asked for; without one, or with a hole, it is told what to do.
+/// A closed mesh is measured on a lattice that is asked for; without one, or with a hole, it is told what to
+/// do.
 #[test]
 fn meshes_are_measured() {
     let folder = tempfile::tempdir().unwrap();

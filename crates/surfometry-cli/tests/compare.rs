@@ -12,8 +12,8 @@ fn text(bytes: &[u8]) -> &str {
     std::str::from_utf8(bytes).expect("UTF-8")
 }
 
-/// Objects of 10, 20, .. by a method that is 2 % and 0.5 too large, give or take 0.1, in folders of their own, in another order, with one object that the
-/// other has not and one failure each.
+/// Objects of 10, 20, .. by a method that is 2 % and 0.5 too large, give or take 0.1, in folders of their
+/// own, in another order, with one object that the other has not and one failure each.
 fn tables(folder: &Path) -> [String; 2] {
     let mut method = vec!["input,label,volume_mm3,euler_characteristic,error".to_owned()];
     let mut standard = vec!["label,input,volume_mm3,euler_characteristic,extra".to_owned()];
@@ -128,7 +128,8 @@ fn tables_that_cannot_be_compared() {
     assert!(single.status.success() && text(&single.stdout).contains("agreement needs three"));
 }
 
-/// Two methods on the same inputs, from files to the page's numbers: the area of the triangulated mask is 8 % above ours.
+/// Two methods on the same inputs, from files to the page's numbers: the area of the triangulated mask is 8 %
+/// above ours.
 #[test]
 fn classical_methods_are_compared() {
     let folder = tempfile::tempdir().unwrap();
@@ -154,8 +155,8 @@ fn classical_methods_are_compared() {
     assert_eq!(run(&["reference", balls[0], "--method", "guess"]).status.code(), Some(2));
 }
 
-/// A cohort of one, its table of exact integrals, and what is measured of it: V within 0.2, A within 0.5 % of the exact bone, the slices' jitter included. A second run finds
-/// the image there and writes the same table.
+/// A cohort of one, its table of exact integrals, and what is measured of it: V within 0.2, A within 0.5 % of
+/// the exact bone, the slices' jitter included. A second run finds the image there and writes the same table.
 #[test]
 fn a_cohort_and_its_truth() {
     let folder = tempfile::tempdir().unwrap();

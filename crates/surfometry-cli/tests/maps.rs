@@ -93,7 +93,8 @@ fn the_json_holds_results_and_distributions() {
     assert!((shares - 1.0).abs() < 1e-9);
 }
 
-/// Several objects: a file each. One that the blur removes is listed, and the others are written all the same.
+/// Several objects: a file each. One that the blur removes is listed, and the others are written all the
+/// same.
 #[test]
 fn objects_have_files_of_their_own() {
     let folder = tempfile::tempdir().unwrap();
@@ -134,7 +135,8 @@ fn nothing_is_written_twice_or_over_an_input() {
     let both = run_in(folder.path(), &["map", "a/scan.nii", "b/scan.nii", "-o", "m.stl"]);
     assert_eq!(text(&both.stdout), "m_a-scan.stl\nm_b-scan.stl\n", "{}", text(&both.stderr));
 
-    // With two inputs, `-o x.nii` means x_label-1.nii for an input of the name label-1, which is the other one.
+    // With two inputs, `-o x.nii` means x_label-1.nii for an input of the name label-1, which is the other
+    // one.
     three_labels(folder.path());
     std::fs::rename(folder.path().join("three.nrrd"), folder.path().join("label-1.nrrd")).unwrap();
     std::fs::copy(folder.path().join("a/scan.nii"), folder.path().join("x_label-1.nii")).unwrap();
@@ -168,7 +170,8 @@ fn no_output_takes_anothers_place() {
     assert_eq!(both.status.code(), Some(2));
 }
 
-/// What the blur removes has no mesh, but its numbers, and the files that can be, are there whatever the order of the options.
+/// What the blur removes has no mesh, but its numbers, and the files that can be, are there whatever the
+/// order of the options.
 #[test]
 fn one_file_that_cannot_be_keeps_no_other_from_being() {
     let folder = tempfile::tempdir().unwrap();

@@ -128,7 +128,8 @@ fn sweeps_that_make_no_sense() {
     );
 }
 
-/// The surface of the original ball, not of the blurred one; its scale is in the record, and each vertex has its errors.
+/// The surface of the original ball, not of the blurred one; its scale is in the record, and each vertex has
+/// its errors.
 #[test]
 fn maps_at_a_scale_of_their_own() {
     let folder = tempfile::tempdir().unwrap();

@@ -103,7 +103,8 @@ fn a_stop_is_soon_and_says_so() {
     assert!(took < Duration::from_secs(2), "{took:?}");
 }
 
-/// Rows stand in the order of the inputs, small and large ones and those that fail, and have the same columns.
+/// Rows stand in the order of the inputs, small and large ones and those that fail, and have the same
+/// columns.
 #[test]
 fn rows_in_the_order_of_the_inputs() {
     let folder = tempfile::tempdir().unwrap();

@@ -1,4 +1,5 @@
-//! What this machine could do at best, on all threads: bytes a second read from memory, single-precision operations a second. JSON.
+//! What this machine could do at best, on all threads: bytes a second read from memory, single-precision
+//! operations a second. JSON.
 
 use fearless_simd::{Level, dispatch, f32x16, prelude::*};
 use rayon::prelude::*;

@@ -1,9 +1,9 @@
-//! Seconds from a decoded array of labels to numbers: `whole_run MASK.npy SIGMA THICKNESS [load|integrals|measure|surface]
-//! [RUNS] [SPACING]`.
+//! Seconds from a decoded array of labels to numbers:
+//! `whole_run MASK.npy SIGMA THICKNESS [load|integrals|measure|surface] [RUNS] [SPACING]`.
 //!
-//! The array lies in memory as a file's reader leaves it. Prints a JSON object: seconds of the fastest run and of its set-up (labels, mask),
-//! V, A, M, chi, plain and compensated, and seconds by stage, summed over threads.
-//! `benches/peers/speed.py` runs it in turn with other tools.
+//! The array lies in memory as a file's reader leaves it. Prints a JSON object: seconds of the fastest run
+//! and of its set-up (labels, mask), V, A, M, chi, plain and compensated, and seconds by stage, summed over
+//! threads. `benches/peers/speed.py` runs it in turn with other tools.
 
 use serde_json::json;
 use std::time::Instant;

@@ -1,4 +1,5 @@
-//! Named values that a front end offers: one list, with one name and one sentence each, for options, arguments and records.
+//! Named values that a front end offers: one list, with one name and one sentence each, for options,
+//! arguments and records.
 
 use thiserror::Error;
 

@@ -7,7 +7,8 @@ use thiserror::Error;
 
 /// Tells a listener how a run gets on, and tells the run to stop. Clones are the same control.
 ///
-/// The stop is looked at after every slab that is read and every tile that is summed, so that a run ends soon after it.
+/// The stop is looked at after every slab that is read and every tile that is summed, so that a run ends soon
+/// after it.
 ///
 /// ```
 /// use surfometry::Control;

@@ -1,4 +1,28 @@
 #![doc = include_str!("../README.md")]
+//! # Contents
+//!
+//! Each step is a module.
+//!
+//! | step | module |
+//! |---|---|
+//! | whatever a name stands for, opened once | [`inputs`], [`io`], [`phantoms`], [`voxelisation`] |
+//! | the lattice and its labels, masks, fields | [`volume`] |
+//! | boxes, tiles, sums that are exact | [`tiling`] |
+//! | the smooth field phi whose zero level is the surface | [`embedding`] |
+//! | its derivatives and curvature | [`local_geometry`] |
+//! | the smeared delta and what is summed over its band | [`integrals`] |
+//! | phi = 0 as a mesh with geometry at its vertices | [`surface`] |
+//! | Euler numbers, components, places where two objects differ | [`topology`] |
+//! | scale, compensation, standard errors, what a warning is | [`accuracy`] |
+//! | choices to results, of one object or of an image | [`Measurement`], [`measurement`] |
+//! | many inputs, and where results go | [`runs`], [`Control`] |
+//! | figures and pages | [`pictures`], [`report`] |
+//! | classical estimators, agreement of two tables | [`reference_methods`], [`comparison`], [`statistics`] |
+//! | how well all of it holds | [`validation`] |
+//!
+//! The shortest way in: [`runs::records_of`] for a file, [`Measurement::run`] for a mask in memory,
+//! [`Measurement::run_labels`] for all labels of an image, [`measurement::PartialMeasurement`] for an image in
+//! boxes.
 
 pub mod accuracy;
 mod choice;

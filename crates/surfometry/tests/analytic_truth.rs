@@ -54,8 +54,9 @@ fn compensated_integrals_describe_the_original_shape() {
     assert!(worst[0] < 0.4 && worst[1] < 0.3 && worst[2] < 0.3, "{worst:?}");
 }
 
-/// The same at automatic sigma and thickness, as far as sigma is at least the largest edge. Beyond (ratio 4 with two
-/// short edges: sigma 0.8) terraces are too high for what is taken off for them: the area is 0.5 % low and M 0.5 % high (1 % both before), and the flag says so.
+/// The same at automatic sigma and thickness, as far as sigma is at least the largest edge. Beyond (ratio 4
+/// with two short edges: sigma 0.8) terraces are too high for what is taken off for them: the area is 0.5 %
+/// low and M 0.5 % high (1 % both before), and the flag says so.
 #[test]
 fn automatic_lengths_keep_that_accuracy_until_they_are_flagged() {
     let shapes: [fn() -> Box<dyn Shape>; 3] = [
@@ -87,8 +88,8 @@ fn sigma_two() -> Measurement {
 /// Name, shape, bounds of the errors of V, A, M in %, bound of chi's error.
 type Case = (&'static str, Box<dyn Shape>, [f64; 3], f64);
 
-/// Every shape of the zoo: V, A, M, chi. Shapes whose curvature jumps (capsule, rounded box, genus) or whose rims
-/// are sharp against sigma (the periodic ones) get what first-order compensation leaves of them.
+/// Every shape of the zoo: V, A, M, chi. Shapes whose curvature jumps (capsule, rounded box, genus) or whose
+/// rims are sharp against sigma (the periodic ones) get what first-order compensation leaves of them.
 #[test]
 fn the_whole_zoo() {
     let zoo: [Case; 10] = [

@@ -1,4 +1,5 @@
-//! What cannot be measured is told at once: spacings that are no lengths between voxels, and blurs that leave nothing.
+//! What cannot be measured is told at once: spacings that are no lengths between voxels, and blurs that leave
+//! nothing.
 
 use std::time::{Duration, Instant};
 use surfometry::Measurement;
@@ -31,7 +32,8 @@ fn vanished(measured: &Measured) {
     assert!(measured.flags.iter().any(|flag| flag.code.to_string() == "surface-vanished"));
 }
 
-/// In an image that is much larger than the blur, whose box alone says nothing; as slices go by, and held as a whole.
+/// In an image that is much larger than the blur, whose box alone says nothing; as slices go by, and held as
+/// a whole.
 #[test]
 fn blurs_that_leave_nothing() {
     for sigma in [9.0, 25.0, 60.0, 399.0, 1e5] {

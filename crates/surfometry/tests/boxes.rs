@@ -1,5 +1,5 @@
-//! Images cut into boxes that are measured apart: the same bits as in one piece, whatever the cuts and the order, and errors that say what is
-//! amiss.
+//! Images cut into boxes that are measured apart: the same bits as in one piece, whatever the cuts and the
+//! order, and errors that say what is amiss.
 
 mod common;
 
@@ -74,7 +74,8 @@ fn boxes(cuts: &[Vec<Index>; 3]) -> Vec<IndexBox> {
     boxes
 }
 
-/// A box of the image, and no more than is needed around it; of a box without tiles a voxel, there is no empty block.
+/// A box of the image, and no more than is needed around it; of a box without tiles a voxel, there is no
+/// empty block.
 fn block(voxels: &[i16], grid: Grid, region: &IndexBox) -> LabelBlock {
     let region = if region.is_empty() { IndexBox::voxel([0; 3]) } else { *region };
     let row = |(y, z): (i64, i64)| {

@@ -16,7 +16,8 @@ fn sigma_two() -> Measurement {
     Measurement::default().sigma_mm(2.0).thickness_mm(2.5)
 }
 
-/// The hyperbolic tangent has the sine's second moment, so where its narrow core is sampled it gives the same numbers.
+/// The hyperbolic tangent has the sine's second moment, so where its narrow core is sampled it gives the same
+/// numbers.
 #[test]
 fn tanh_agrees_with_sine_on_a_thick_enough_band() {
     let ball = ball(20.0);
@@ -67,8 +68,8 @@ fn differences_lose_area() {
     assert!((0.004..0.008).contains(&loss(1.5)), "{}", loss(1.5));
 }
 
-/// Simpson's rule lets the 2 h grid's error in: the area scatters with the position on the grid, here by 0.7 % against
-/// the plain sum's 0.08 %, which is the sampled ball's own.
+/// Simpson's rule lets the 2 h grid's error in: the area scatters with the position on the grid, here by 0.7
+/// % against the plain sum's 0.08 %, which is the sampled ball's own.
 #[test]
 fn simpson_scatters_with_the_grid() {
     let spread = |rule| {

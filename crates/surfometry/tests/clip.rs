@@ -37,8 +37,8 @@ fn assert_close(what: &str, value: Option<f64>, exact: f64, percent: f64) {
     assert!(off.abs() < percent, "{what}: {off:+.3} %, {value:?} for {exact}");
 }
 
-/// A tilted rod that leaves the image at both ends: area, volume and mean curvature are those of the length between the sections, wherever
-/// it is cut, and the open surface has chi = 0.
+/// A tilted rod that leaves the image at both ends: area, volume and mean curvature are those of the length
+/// between the sections, wherever it is cut, and the open surface has chi = 0.
 #[test]
 fn rods_are_measured_between_the_cuts() {
     let rod = Capsule { radius: 12.0, length: 400.0 };
@@ -71,7 +71,8 @@ fn rods_are_measured_between_the_cuts() {
     }
 }
 
-/// A ball cut by one plane, and by three that meet: the curvature of the boundary, corners included, is what the surface lacks.
+/// A ball cut by one plane, and by three that meet: the curvature of the boundary, corners included, is what
+/// the surface lacks.
 #[test]
 fn boundaries_make_up_for_the_missing_curvature() {
     for (spacing, offset) in [([1.0; 3], 9.3), ([1.0, 0.8, 1.3], -4.1)] {
@@ -105,7 +106,8 @@ fn boundaries_make_up_for_the_missing_curvature() {
             excluded(&cut(&Ball { radius: 27.0 }, &Pose::new([0.0; 3], shift), dimensions, spacing));
         let chi = measured.blurred.euler_characteristic.unwrap();
         assert!((chi - 1.0).abs() < 0.03, "{chi}");
-        // Three corners of about a right angle, 3 pi / 2, and sections that bend the other way where they miss the centre.
+        // Three corners of about a right angle, 3 pi / 2, and sections that bend the other way where they
+        // miss the centre.
         assert!((0.5 * PI..1.5 * PI).contains(&clip.boundary_curvature), "{clip:?}");
         assert_eq!(measured.topology.euler_characteristic_mesh, Some(1));
     }

@@ -1,4 +1,5 @@
-//! Compressed voxels: damage is refused wherever the codec itself notices it, padding is not damage, and what goes on without end is left.
+//! Compressed voxels: damage is refused wherever the codec itself notices it, padding is not damage, and what
+//! goes on without end is left.
 
 use std::io::{Read, Write};
 use std::path::Path;
@@ -109,7 +110,8 @@ fn original() -> ([f64; 3], Vec<i64>) {
     ([1.0, 1.0, 1.5], voxels().into_iter().map(i64::from).collect())
 }
 
-/// Any flipped bit: the voxels as they were, or a refusal; and refused is only what the codec refuses or decodes to something else.
+/// Any flipped bit: the voxels as they were, or a refusal; and refused is only what the codec refuses or
+/// decodes to something else.
 #[test]
 fn a_flipped_bit_is_refused_or_harmless() {
     let folder = tempfile::tempdir().unwrap();
@@ -159,7 +161,8 @@ fn a_stream_without_its_end_is_refused() {
     }
 }
 
-/// Also where the voxels are whole: bytes may follow them, and their checksum is compared nonetheless, in every member.
+/// Also where the voxels are whole: bytes may follow them, and their checksum is compared nonetheless, in
+/// every member.
 #[test]
 fn checksums_count_behind_the_last_voxel() {
     let folder = tempfile::tempdir().unwrap();
@@ -215,7 +218,8 @@ fn padding_is_ignored() {
     }
 }
 
-/// Streams that follow each other are one, with zeros between them too (Python's gzip), wherever the buffer ends.
+/// Streams that follow each other are one, with zeros between them too (Python's gzip), wherever the buffer
+/// ends.
 #[test]
 fn streams_may_be_many() {
     let folder = tempfile::tempdir().unwrap();

@@ -66,7 +66,8 @@ fn differences_converge_with_the_fourth_power() {
     }
 }
 
-/// The blur's bias grows with sigma^2, what compensation leaves with sigma^4: so both are what they are said to be.
+/// The blur's bias grows with sigma^2, what compensation leaves with sigma^4: so both are what they are said
+/// to be.
 #[test]
 fn bias_is_quadratic_in_sigma_and_compensation_removes_that_order() {
     // Three poses and half voxels keep the grid's noise below the errors looked for.
@@ -86,14 +87,16 @@ fn bias_is_quadratic_in_sigma_and_compensation_removes_that_order() {
     println!("plain {plain:?}\ncompensated {compensated:?}");
     assert!((slope(&plain) - 2.0).abs() < 0.25, "plain {}", slope(&plain));
     assert!((slope(&compensated) - 4.0).abs() < 0.5, "compensated {}", slope(&compensated));
-    // What is left is what the blurred ball's closed form leaves, 4 pi (r + sigma^2 / r - R) with r its level 1/2:
-    // 1/2 (erf a + erf b) - sigma / (r sqrt(2 pi)) (exp(-a^2) - exp(-b^2)) = 1/2, a, b = (R -+ r) / (sqrt2 sigma).
+    // What is left is what the blurred ball's closed form leaves, 4 pi (r + sigma^2 / r - R) with r its level
+    // 1/2: 1/2 (erf a + erf b) - sigma / (r sqrt(2 pi)) (exp(-a^2) - exp(-b^2)) = 1/2, a, b = (R -+ r) /
+    // (sqrt2 sigma).
     for ((_, left), exact) in compensated.iter().zip([0.094_694, 0.180_436, 0.318_296]) {
         assert!((left / exact - 1.0).abs() < 0.06, "{left} {exact}");
     }
 }
 
-/// The plain sum's chi by finite differences falls with (h / sigma)^4; Gaussian derivatives are there at once.
+/// The plain sum's chi by finite differences falls with (h / sigma)^4; Gaussian derivatives are there at
+/// once.
 #[test]
 fn euler_error_of_differences_falls_with_the_fourth_power_of_sigma() {
     let phantom = phantom(Torus { major: 30.0, minor: 10.0 }, poses()[0], [1.0; 3]);

@@ -55,7 +55,8 @@ fn surroundings_do_not_change_a_bit() {
     }
 }
 
-/// Tiles dealt out in any way, merged in any order: the same bits. This is what slabs and machines will rest on.
+/// Tiles dealt out in any way, merged in any order: the same bits. This is what slabs and machines will rest
+/// on.
 #[test]
 fn any_split_of_the_tiles_merges_to_the_same_bits() {
     let shape = Genus { genus: 2, major: 12.0, minor: 8.0 };

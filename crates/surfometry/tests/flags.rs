@@ -173,8 +173,8 @@ fn bands_that_do_not_fit() {
     assert!(!raised(&ball(12.0, [1.0; 3], &distance), "thickness-above-object"));
 }
 
-/// A plate of three voxels at sigma 2: gradients collapse half-way, curvature stays finite, compensation is refused or
-/// plausible, never absurd.
+/// A plate of three voxels at sigma 2: gradients collapse half-way, curvature stays finite, compensation is
+/// refused or plausible, never absurd.
 #[test]
 fn plates_too_thin_to_compensate() {
     let plate = |voxels: usize| {
@@ -225,7 +225,8 @@ fn compensation_that_fails_is_null() {
     assert!(!raised(&fine, "compensation-failed") && fine.volume_mm3.is_some());
 }
 
-/// Slices so thick that 2.5 of them do not fit the blur: the automatic band stays within it and says that it is thin.
+/// Slices so thick that 2.5 of them do not fit the blur: the automatic band stays within it and says that it
+/// is thin.
 #[test]
 fn automatic_bands_fit_the_blur() {
     for thick in [8.0, 30.0] {
@@ -275,7 +276,8 @@ fn choices_without_compensation() {
 #[test]
 fn fields_with_flat_spots() {
     let grid = Grid::axis_aligned([24; 3], [1.0; 3]).unwrap();
-    // A plateau of exactly zero gradient inside the band and the object. (One outside is refused: all of the background would count.)
+    // A plateau of exactly zero gradient inside the band and the object. (One outside is refused: all of the
+    // background would count.)
     let value = |[x, y, z]: [usize; 3]| {
         let d =
             ((x as f64 - 11.5).powi(2) + (y as f64 - 11.5).powi(2) + (z as f64 - 11.5).powi(2)).sqrt() - 8.0;
@@ -298,7 +300,8 @@ fn truth_that_cannot_be_had() {
     assert_eq!(fine.flags()[0].code.to_string(), "truth-not-converged");
 }
 
-/// Two balls with a gap of 1.5 sigma, and of 3 sigma, which the band does not reach; a block with a fin of 2 sigma, and one of 5.
+/// Two balls with a gap of 1.5 sigma, and of 3 sigma, which the band does not reach; a block with a fin of 2
+/// sigma, and one of 5.
 #[test]
 fn narrow_places() {
     let told = |measured: &Measured, code: &str| {

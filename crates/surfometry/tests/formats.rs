@@ -31,7 +31,8 @@ impl SlabReader for Source {
     }
 }
 
-/// What is written is read back: voxels, labels of every width, oblique and mirrored affines, one or two versions.
+/// What is written is read back: voxels, labels of every width, oblique and mirrored affines, one or two
+/// versions.
 #[test]
 fn written_labels_are_read_back() {
     let folder = tempfile::tempdir().unwrap();

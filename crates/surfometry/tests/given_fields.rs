@@ -25,8 +25,8 @@ fn relative(value: Option<f64>, exact: f64) -> f64 {
     value.expect("a number") / exact - 1.0
 }
 
-/// A rotated torus's exact distance on an anisotropic grid, in both precisions and in other units of phi: a thickness
-/// means mm whatever the field's slope.
+/// A rotated torus's exact distance on an anisotropic grid, in both precisions and in other units of phi: a
+/// thickness means mm whatever the field's slope.
 #[test]
 fn an_exact_distance_gives_exact_integrals() {
     let torus = Torus { major: 30.0, minor: 10.0 };
@@ -82,7 +82,8 @@ fn a_surface_that_leaves_the_field_is_measured_up_to_the_edge() {
             let dimensions: [usize; 3] =
                 std::array::from_fn(|a| (if a == axis { 20.0 } else { 40.0 } / h[a]) as usize);
             let grid = Grid::axis_aligned(dimensions, h).unwrap();
-            // The centre lies on the outer face of the last voxel, so that voxels cover exactly half of the ball.
+            // The centre lies on the outer face of the last voxel, so that voxels cover exactly half of the
+            // ball.
             let centre: [f64; 3] = std::array::from_fn(|a| match (a == axis, at_upper) {
                 (true, false) => -0.5 * h[a],
                 (true, true) => (dimensions[a] as f64 - 0.5) * h[a],

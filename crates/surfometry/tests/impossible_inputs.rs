@@ -1,4 +1,5 @@
-//! Inputs that claim more than there is, or name what is no file: refused in words, at once, without taking memory or waiting.
+//! Inputs that claim more than there is, or name what is no file: refused in words, at once, without taking
+//! memory or waiting.
 
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -31,7 +32,8 @@ fn refusal(folder: &Path, name: &str, bytes: impl AsRef<[u8]>) -> String {
     error.to_string()
 }
 
-/// A header may name anything as the file of its voxels: a pipe that nobody writes to, a device without end, a folder.
+/// A header may name anything as the file of its voxels: a pipe that nobody writes to, a device without end,
+/// a folder.
 #[cfg(unix)]
 #[test]
 fn data_files_that_are_none() {
@@ -192,7 +194,8 @@ fn a_shape_too_small_for_its_grid() {
     says(&cases.run(|| {}).unwrap_err().to_string(), &["nothing is left", "larger"]);
 }
 
-/// A wish to see it read right, beside those that are refused: lengths are the header's spacing, whatever the directions' are.
+/// A wish to see it read right, beside those that are refused: lengths are the header's spacing, whatever the
+/// directions' are.
 #[test]
 fn directions_of_any_length() {
     let folder = tempfile::tempdir().unwrap();
@@ -206,7 +209,8 @@ fn directions_of_any_length() {
         assert_eq!(affine.column_lengths(), [0.8, 0.9, 1.1], "{length}");
         assert_eq!(affine.axis_codes(), "PRS");
     }
-    // Half turns about x, and about the diagonal of x and y; and a quarter turn about z, which is no longer than it should be.
+    // Half turns about x, and about the diagonal of x and y; and a quarter turn about z, which is no longer
+    // than it should be.
     let half = 0.5f32.sqrt();
     for (quaternion, codes) in [
         ([1f32, 0.0, 0.0], "RPI"),

@@ -59,7 +59,8 @@ fn a_mesh_takes_little_more_than_itself(folder: &Path) {
     assert!(used < 4 * itself, "{used} bytes for a mesh of {itself}");
 }
 
-/// As many slices as an image may have, of four voxels each, from a file of some kilobytes; more are refused before any is read.
+/// As many slices as an image may have, of four voxels each, from a file of some kilobytes; more are refused
+/// before any is read.
 fn slices_of_four_voxels(folder: &Path) {
     let write = |slices: i64| {
         let mut header = vec![0u8; 544];

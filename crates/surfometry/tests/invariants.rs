@@ -91,8 +91,8 @@ proptest! {
         close(&run(&mask), &run(&mirrored), 1e-5)?;
     }
 
-    /// A box without the object: the surface between them is the same one seen from the other side, so H changes
-    /// sign and K does not; V, A and chi add up.
+    /// A box without the object: the surface between them is the same one seen from the other side, so H
+    /// changes sign and K does not; V, A and chi add up.
     #[test]
     fn complement((mask, spacing) in object()) {
         let margin = 16i64;

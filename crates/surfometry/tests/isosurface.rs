@@ -1,4 +1,5 @@
-//! The mesh of phi = 0: a closed manifold whose Euler characteristic is exactly that of the trilinear interpolant.
+//! The mesh of phi = 0: a closed manifold whose Euler characteristic is exactly that of the trilinear
+//! interpolant.
 
 use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
 use rand_like::Numbers;
@@ -40,8 +41,9 @@ fn value(field: &FieldImage, [x, y, z]: [usize; 3]) -> f64 {
     field.values().get((z * ny + y) * nx + x)
 }
 
-/// Euler number of the part of a square where the bilinear interpolant is <= 0: its pieces, which have no holes. Values in
-/// turn round the square; `zero` is a corner whose value is 0 up to rounding, `touching` says that the saddle is.
+/// Euler number of the part of a square where the bilinear interpolant is <= 0: its pieces, which have no
+/// holes. Values in turn round the square; `zero` is a corner whose value is 0 up to rounding, `touching`
+/// says that the saddle is.
 fn pieces_of_square(v: [f64; 4], zero: Option<usize>, touching: bool) -> i64 {
     let inside: [bool; 4] = std::array::from_fn(|i| v[i] < 0.0 || zero == Some(i));
     let count = inside.iter().filter(|&&i| i).count();
@@ -56,9 +58,9 @@ fn pieces_of_square(v: [f64; 4], zero: Option<usize>, touching: bool) -> i64 {
 
 /// Euler number of the part of a cell where the trilinear interpolant is <= 0.
 ///
-/// The cell is swept by slices of constant x. Between events (a corner's value or the saddle's passes 0) all slices look
-/// alike, and an open interval of them counts -chi(slice); the slices at the events count chi(slice). This uses neither
-/// loops nor tubes, and sweeps another axis than the code under test.
+/// The cell is swept by slices of constant x. Between events (a corner's value or the saddle's passes 0) all
+/// slices look alike, and an open interval of them counts -chi(slice); the slices at the events count
+/// chi(slice). This uses neither loops nor tubes, and sweeps another axis than the code under test.
 fn euler_of_cell(field: &FieldImage, [x, y, z]: [usize; 3]) -> i64 {
     let corner = |i: usize, j: usize, k: usize| value(field, [x + i, y + j, z + k]);
     let round = [(0, 0), (1, 0), (1, 1), (0, 1)];
@@ -81,7 +83,8 @@ fn euler_of_cell(field: &FieldImage, [x, y, z]: [usize; 3]) -> i64 {
     slices - events.windows(2).map(between).sum::<i64>()
 }
 
-/// chi of the surface: twice the solid's, which is a sum over cells, faces, edges and vertices with signs + - + -.
+/// chi of the surface: twice the solid's, which is a sum over cells, faces, edges and vertices with signs + -
+/// + -.
 fn exact_euler(field: &FieldImage) -> i64 {
     let n = field.grid().dimensions();
     let mut chi = 0;
@@ -175,8 +178,8 @@ fn opposite_corners_are_joined_through_a_cell() {
     }
 }
 
-/// A voxel that is exactly 0 is outside, and the vertices on its edges do not coincide. (Those inside cells may, where a
-/// cell's values are symmetric and two sheets touch in its middle.)
+/// A voxel that is exactly 0 is outside, and the vertices on its edges do not coincide. (Those inside cells
+/// may, where a cell's values are symmetric and two sheets touch in its middle.)
 #[test]
 fn zeros_at_voxels_leave_a_manifold() {
     let mut numbers = Numbers::new();

@@ -1,4 +1,5 @@
-//! Local H and K against closed forms on rotated ellipsoids, and the paper's printed K, which must fail there.
+//! Local H and K against closed forms on rotated ellipsoids, and the paper's printed K, which must fail
+//! there.
 
 mod common;
 
@@ -13,7 +14,8 @@ use surfometry::volume::{FieldImage, FieldValues};
 
 const RADII: [f64; 3] = [40.0, 28.0, 22.0];
 
-/// Gaussian and mean curvature of the ellipsoid through a point (do Carmo; Goldman 2005), in the ellipsoid's frame.
+/// Gaussian and mean curvature of the ellipsoid through a point (do Carmo; Goldman 2005), in the ellipsoid's
+/// frame.
 fn closed_form(radii: [f64; 3], p: [f64; 3]) -> (f64, f64) {
     // The level set through p is the ellipsoid scaled by s.
     let s = (0..3).map(|a| (p[a] / radii[a]).powi(2)).sum::<f64>().sqrt();
@@ -45,7 +47,8 @@ fn band(scheme: &impl Differentiation, half_width: f64) -> Vec<BandVoxel> {
     tiles.iter().flat_map(|tile| scheme.band(tile, half_width)).collect()
 }
 
-/// Root mean square errors of H, K and the printed K, relative to the largest principal curvature and its square.
+/// Root mean square errors of H, K and the printed K, relative to the largest principal curvature and its
+/// square.
 fn errors(phantom: &Phantom, band: &[BandVoxel]) -> [f64; 3] {
     let scale = RADII[0] / RADII[2].powi(2);
     let mut squares = [0.0; 3];

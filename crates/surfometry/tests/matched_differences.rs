@@ -1,4 +1,5 @@
-//! Matched differences against what they stand for, derivatives of the Gaussian, on rotated, off-grid shapes and unequal spacings.
+//! Matched differences against what they stand for, derivatives of the Gaussian, on rotated, off-grid shapes
+//! and unequal spacings.
 
 mod common;
 
@@ -28,8 +29,9 @@ fn plain(mask: &Mask, sigma: f64, derivatives: Derivatives) -> SurfaceValues {
     m.run(mask).unwrap().blurred.values
 }
 
-/// Asked of the default are 1e-3 in A and 0.005 in chi; here is the size that was measured (`experiments/matched_stencils`: 4.8e-4 and
-/// 0.002 at 1.5 voxels, 6e-5 and 0.0003 at 2), and that A errs upwards at narrow blurs.
+/// Asked of the default are 1e-3 in A and 0.005 in chi; here is the size that was measured
+/// (`experiments/matched_stencils`: 4.8e-4 and 0.002 at 1.5 voxels, 6e-5 and 0.0003 at 2), and that A errs
+/// upwards at narrow blurs.
 #[test]
 fn areas_and_euler_numbers_are_those_of_gaussian_derivatives() {
     for (sigma, area_bound, chi_bound) in
@@ -64,7 +66,8 @@ fn band(scheme: &impl Differentiation, half_width: f64) -> Vec<BandVoxel> {
     tiles.iter().flat_map(|tile| scheme.band(tile, half_width)).collect()
 }
 
-/// Each of the ten numbers at every voxel of the band, and between voxels at the vertices, relative to 1/sigma^order.
+/// Each of the ten numbers at every voxel of the band, and between voxels at the vertices, relative to
+/// 1/sigma^order.
 #[test]
 fn every_derivative_is_right_on_unequal_spacings() {
     let spacing = [1.0, 0.8, 1.3];
@@ -123,8 +126,8 @@ fn chosen_where_they_hold() {
     assert!(asked.run(&mask).unwrap_err().to_string().contains("1.75 to 8 voxels"));
 }
 
-/// Tiles, and what they skip because the band cannot reach it, change nothing: the sums are those of one box without tiles, up to the
-/// order in which they are added.
+/// Tiles, and what they skip because the band cannot reach it, change nothing: the sums are those of one box
+/// without tiles, up to the order in which they are added.
 #[test]
 fn tiles_are_the_whole() {
     let mask = &torus([0.5, 0.4, 0.6])[1];

@@ -1,4 +1,5 @@
-//! Numbers of the original object: the corrected embedding, its scale, and standard errors, against exact shapes.
+//! Numbers of the original object: the corrected embedding, its scale, and standard errors, against exact
+//! shapes.
 
 mod common;
 
@@ -17,8 +18,8 @@ fn distances(phantom: &Phantom, measurement: &Measurement) -> [f64; 2] {
     [rms(apart.iter().copied()), apart.iter().sum::<f64>() / apart.len() as f64]
 }
 
-/// The plain blur shrinks a ball by sigma^2 / R; the corrected one leaves it where it was, on a torus and an ellipsoid to a tenth of that, on unequal spacings
-/// too.
+/// The plain blur shrinks a ball by sigma^2 / R; the corrected one leaves it where it was, on a torus and an
+/// ellipsoid to a tenth of that, on unequal spacings too.
 #[test]
 fn the_corrected_surface_stands_where_the_object_did() {
     let corrected = |sigma: f64| Measurement::default().embedding(EmbeddingKind::Corrected).sigma_mm(sigma);
@@ -42,7 +43,8 @@ fn the_corrected_surface_stands_where_the_object_did() {
     }
 }
 
-/// Differences that are matched to the narrower blur are right for both: as convolution, to 1e-3 in A and M and 0.005 in chi.
+/// Differences that are matched to the narrower blur are right for both: as convolution, to 1e-3 in A and M
+/// and 0.005 in chi.
 #[test]
 fn the_corrected_field_is_differentiated_alike_in_both_ways() {
     for spacing in [[1.0; 3], [0.8, 1.0, 0.9]] {
@@ -60,7 +62,8 @@ fn the_corrected_field_is_differentiated_alike_in_both_ways() {
         assert!(
             (a.blurred.euler_characteristic.unwrap() - b.blurred.euler_characteristic.unwrap()).abs() < 5e-3
         );
-        // And it is the original object's: V, A and M of the torus, which the plain blur has 4, 2.5 and 0.3 % too small.
+        // And it is the original object's: V, A and M of the torus, which the plain blur has 4, 2.5 and 0.3 %
+        // too small.
         let exact = torus.truth().unwrap();
         let off = |v: Option<f64>, exact: f64| 100.0 * (v.unwrap() / exact - 1.0);
         let c = &b.values;
@@ -74,7 +77,8 @@ fn the_corrected_field_is_differentiated_alike_in_both_ways() {
     }
 }
 
-/// sigma follows h^(2/7) R^(5/7): twice as large a shape gets 1.64 times the blur, the same shape on half the spacing 0.82 times.
+/// sigma follows h^(2/7) R^(5/7): twice as large a shape gets 1.64 times the blur, the same shape on half the
+/// spacing 0.82 times.
 #[test]
 fn the_scale_follows_object_and_grid() {
     let scale = |size: f64, spacing: f64| {
@@ -92,8 +96,9 @@ fn of_shapes<'a>(results: &'a [CaseResult], names: &'a [&str]) -> Vec<CaseResult
     results.iter().filter(|c| names.contains(&c.shape)).copied().collect()
 }
 
-/// Local curvature at automatic scale, on a shape that constants were tuned on and on two that they were not: within 6 and 8 % at R = 10 voxels at 8 already, on
-/// tori a third of it, and falling with the order 0.67 to 1.1 in h (0.9 is asked). Error bars hold on 85 to 100 % of the surface.
+/// Local curvature at automatic scale, on a shape that constants were tuned on and on two that they were not:
+/// within 6 and 8 % at R = 10 voxels at 8 already, on tori a third of it, and falling with the order 0.67 to
+/// 1.1 in h (0.9 is asked). Error bars hold on 85 to 100 % of the surface.
 #[test]
 fn local_curvature_converges() {
     let validation = Validation {
@@ -144,7 +149,8 @@ fn local_curvature_converges() {
     assert!((0.5..1.3).contains(&volumes), "{volumes}");
 }
 
-/// k1, k2 and the shape index within their bars, on shapes with and without umbilics; where curvature varies errors reach them.
+/// k1, k2 and the shape index within their bars, on shapes with and without umbilics; where curvature varies
+/// errors reach them.
 #[test]
 fn principal_curvatures_keep_to_their_bars() {
     let shapes = |pose| {
@@ -175,12 +181,14 @@ fn principal_curvatures_keep_to_their_bars() {
         let spread = rms(standardised.into_iter());
         println!("{}: within {covered:.1?}, rms of k1's error over its bar {spread:.2}", number % 3);
         assert!(covered.iter().all(|&share| share > 90.0), "{covered:?}");
-        // On tori and balls, whose curvature hardly varies, the scale is large and the bias far below what it is taken for.
+        // On tori and balls, whose curvature hardly varies, the scale is large and the bias far below what it
+        // is taken for.
         assert!(spread > 0.3 || number % 3 != 0, "{spread}");
     }
 }
 
-/// The noise that is told is the spread over sub-voxel shifts: of V within a third, of an ellipsoid on cubic and on unequal voxels.
+/// The noise that is told is the spread over sub-voxel shifts: of V within a third, of an ellipsoid on cubic
+/// and on unequal voxels.
 #[test]
 fn grid_noise_is_the_spread_over_shifts() {
     for spacing in [[1.0; 3], [0.6, 0.8, 1.2]] {
@@ -205,7 +213,8 @@ fn grid_noise_is_the_spread_over_shifts() {
     }
 }
 
-/// The same object on a 1 mm grid, on a finer one and on thick slices: V, A and M of the original object agree within the error bars of both.
+/// The same object on a 1 mm grid, on a finer one and on thick slices: V, A and M of the original object
+/// agree within the error bars of both.
 #[test]
 fn other_grids_agree_within_the_error_bars() {
     let grids = [[1.0; 3], [0.6; 3], [0.8, 0.8, 2.5], [2.5, 0.8, 0.8]];

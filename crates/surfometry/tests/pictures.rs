@@ -348,7 +348,8 @@ fn a_rendered_ball_is_a_disc_of_its_diameter_and_curvature() {
         let opaque = |at: [usize; 2]| raster.pixel(at)[3] > 127;
         let across = (0..130).filter(|x| opaque([*x, 65])).count();
         let down = (0..130).filter(|y| opaque([65, *y])).count();
-        // Rays that graze the smeared layer gather opacity over some way: the disc is larger by a part of eps.
+        // Rays that graze the smeared layer gather opacity over some way: the disc is larger by a part of
+        // eps.
         assert!((100..=108).contains(&across) && (100..=108).contains(&down), "{view} {across} {down}");
         let [r, g, b, _] = raster.pixel([65, 63]);
         let expected = ColorScale::new(ScaleKind::Diverging, 0.2).rgb(0.1);

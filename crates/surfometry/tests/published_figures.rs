@@ -5,8 +5,8 @@ use surfometry::Measurement;
 use surfometry::measurement::Derivatives;
 use surfometry::phantoms::{Ball, Phantom, Pose, Shape, Torus};
 
-/// Off the grid, along the axes: the table's torus was not turned. (A turned one has chi 0.09 by differences at sigma
-/// 1.5, not 0.06, and an area 0.3 points larger: `convergence.rs` has those.)
+/// Off the grid, along the axes: the table's torus was not turned. (A turned one has chi 0.09 by differences
+/// at sigma 1.5, not 0.06, and an area 0.3 points larger: `convergence.rs` has those.)
 fn pose() -> Pose {
     Pose::new([0.0; 3], [0.31, 0.17, 0.43])
 }

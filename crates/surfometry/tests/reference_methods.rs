@@ -1,4 +1,5 @@
-//! The classical estimators against exact shapes: right where they are right, off by what they are known to be off.
+//! The classical estimators against exact shapes: right where they are right, off by what they are known to
+//! be off.
 
 mod common;
 
@@ -51,8 +52,9 @@ fn faces_of_voxels() {
     }
 }
 
-/// 8.2 % too large on cubic voxels whatever the resolution (marching cubes' tables, which triangulate the same vertices differently, 8.8; and the oracle test); and the
-/// mask smoothed by 0.8 voxel, which shrinks by sigma^2 / R.
+/// 8.2 % too large on cubic voxels whatever the resolution (marching cubes' tables, which triangulate the
+/// same vertices differently, 8.8; and the oracle test); and the mask smoothed by 0.8 voxel, which shrinks by
+/// sigma^2 / R.
 #[test]
 fn triangulated_masks() {
     let ([volume, area, _], _) = errors("triangulation", [1.0; 3]);
@@ -65,7 +67,8 @@ fn triangulated_masks() {
     }
 }
 
-/// dA/dr is 2 M + r int K: one-sided differences of a ball are 4 pi r too large, of a torus not, but for the terraces that 0.8 voxel leaves (0.2 % of M).
+/// dA/dr is 2 M + r int K: one-sided differences of a ball are 4 pi r too large, of a torus not, but for the
+/// terraces that 0.8 voxel leaves (0.2 % of M).
 #[test]
 fn one_sided_dilation_is_biased_by_the_integral_of_k() {
     for (shape, chi) in [(SHAPES[0](), 2.0), (SHAPES[2](), 0.0)] {
@@ -98,8 +101,9 @@ fn structure_model_indices() {
     }
 }
 
-/// Right on the mean over orientations, on cubic voxels to 0.1 and 0.3 % of shapes that have them all; where spacings differ, thirteen directions are unevenly spread, and A is
-/// off by up to 1.5, M by up to 4 %. Three directions scatter more.
+/// Right on the mean over orientations, on cubic voxels to 0.1 and 0.3 % of shapes that have them all; where
+/// spacings differ, thirteen directions are unevenly spread, and A is off by up to 1.5, M by up to 4 %. Three
+/// directions scatter more.
 #[test]
 fn crofton_of_any_spacing() {
     for (spacing, most) in [([1.0; 3], [0.2, 0.4]), ([0.7, 0.9, 1.4], [2.0, 4.5])] {

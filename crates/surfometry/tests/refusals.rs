@@ -212,7 +212,8 @@ fn fields_without_sense() {
         field(|i| if i == 9 { f64::NAN } else { 1.0 }),
         Err(VolumeError::NotFinite { index: [1, 1, 0], .. })
     ));
-    // A step, as an indicator less 0.5, whose slope by fourth-order differences is 7/12: t of 2.5 voxels stands for more than the field reaches.
+    // A step, as an indicator less 0.5, whose slope by fourth-order differences is 7/12: t of 2.5 voxels
+    // stands for more than the field reaches.
     let step = field(|i| if i < 256 { -0.5 } else { 0.5 }).unwrap();
     let wide = m.thickness_mm(2.5).run_field(&step).unwrap_err().to_string();
     assert_says(&wide, &["epsilon is 0.7292", "nowhere above 0.5", "smaller thickness"]);

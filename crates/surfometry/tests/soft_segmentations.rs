@@ -57,8 +57,9 @@ fn shapes(scale: f64) -> [(&'static str, Box<dyn Shape>); 3] {
 
 const SPACINGS: [[f64; 3]; 2] = [[1.0; 3], [0.7, 1.0, 1.6]];
 
-/// V, A and M of the original object are right to 0.05 % from radii of curvature of 7 sigma on, on unequal spacings too, and H at the vertices has less than a third of the error that it
-/// has from the mask at the same sigma.
+/// V, A and M of the original object are right to 0.05 % from radii of curvature of 7 sigma on, on unequal
+/// spacings too, and H at the vertices has less than a third of the error that it has from the mask at the
+/// same sigma.
 #[test]
 fn shares_of_voxels_tell_the_shape() {
     for (spacing, scale) in [(SPACINGS[0], 14.0), (SPACINGS[0], 20.0), (SPACINGS[1], 14.0)] {
@@ -75,7 +76,8 @@ fn shares_of_voxels_tell_the_shape() {
     }
 }
 
-/// What is left at smaller radii is the blur's, of order sigma^4: at a radius of 5 sigma up to 0.1 %, and with a narrower blur, which no terraces forbid, 0.05 % again.
+/// What is left at smaller radii is the blur's, of order sigma^4: at a radius of 5 sigma up to 0.1 %, and
+/// with a narrower blur, which no terraces forbid, 0.05 % again.
 #[test]
 fn what_is_left_at_small_radii_is_the_blurs() {
     for ((name, shape), pose) in shapes(10.0).into_iter().zip(poses()) {
@@ -90,7 +92,8 @@ fn what_is_left_at_small_radii_is_the_blurs() {
     }
 }
 
-/// Noise alone, on a ball of 5 sigma, whose blurred surface has the same curvature everywhere: a tenth of the mask's.
+/// Noise alone, on a ball of 5 sigma, whose blurred surface has the same curvature everywhere: a tenth of the
+/// mask's.
 #[test]
 fn curvature_has_a_tenth_of_the_masks_noise() {
     let phantom = phantom(Ball { radius: 10.0 }, poses()[1], [1.0; 3]);
@@ -124,7 +127,8 @@ fn zeros_and_ones_are_a_mask() {
     }
 }
 
-/// Standard errors hold on shapes, poses and spacings that nothing was fitted to, and V's are a fraction of a mask's.
+/// Standard errors hold on shapes, poses and spacings that nothing was fitted to, and V's are a fraction of a
+/// mask's.
 #[test]
 fn standard_errors_hold() {
     let mut number = 0.0f64;
@@ -163,7 +167,8 @@ fn standard_errors_hold() {
     assert!(10.0 * soft < hard, "{soft} {hard}");
 }
 
-/// An edge that is wider than a voxel is told of, and has no standard errors: compensation takes nothing off but the voxels' own blur.
+/// An edge that is wider than a voxel is told of, and has no standard errors: compensation takes nothing off
+/// but the voxels' own blur.
 #[test]
 fn edges_softer_than_voxels_are_told_of() {
     let phantom = phantom(Ball { radius: 14.0 }, poses()[0], [1.0; 3]);
@@ -209,7 +214,8 @@ fn voxels_are_those_above_the_level() {
     assert!(thin.message.contains(&format!("{:+.1} %", 100.0 * off)), "{} {off}", thin.message);
 }
 
-/// Maps of the original object's curvature too: the corrected embedding of the values, at a scale that it finds itself.
+/// Maps of the original object's curvature too: the corrected embedding of the values, at a scale that it
+/// finds itself.
 #[test]
 fn local_curvature_of_the_original_object() {
     let phantom = phantom(Ellipsoid { radii: [16.0, 13.0, 11.0] }, poses()[0], [1.0; 3]);

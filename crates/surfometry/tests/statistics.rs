@@ -10,7 +10,8 @@ fn close(found: f64, expected: f64, tolerance: f64) {
     assert!((found - expected).abs() <= tolerance, "{found}, not {expected}");
 }
 
-/// Norris, NIST Statistical Reference Datasets (linear regression, lower level of difficulty): certified values.
+/// Norris, NIST Statistical Reference Datasets (linear regression, lower level of difficulty): certified
+/// values.
 #[test]
 fn least_squares_of_norris() {
     let y = [
@@ -44,8 +45,9 @@ fn flow_meters() -> Paired {
     Paired::new(large.to_vec(), mini.to_vec()).unwrap()
 }
 
-/// The paper: mean difference -2.1 (95 % interval -22.0 to 17.8), standard deviation 38.8, r = 0.94. Limits there have 2 standard deviations and a rougher error, 16.3, of
-/// each limit (-114.3 to -45.1 and 40.9 to 110.1).
+/// The paper: mean difference -2.1 (95 % interval -22.0 to 17.8), standard deviation 38.8, r = 0.94. Limits
+/// there have 2 standard deviations and a rougher error, 16.3, of each limit (-114.3 to -45.1 and 40.9 to
+/// 110.1).
 #[test]
 fn flow_meters_of_bland_and_altman() {
     let pairs = flow_meters();
@@ -64,7 +66,8 @@ fn flow_meters_of_bland_and_altman() {
     assert!(result.proportional.slope_p_value > 0.2 && result.bias_p_value > 0.8);
 }
 
-/// SciPy: linregress and ttest_rel on differences that grow with size by construction; the sign is the method's.
+/// SciPy: linregress and ttest_rel on differences that grow with size by construction; the sign is the
+/// method's.
 #[test]
 fn proportional_bias_is_the_slope_and_the_limits_width_is_not() {
     let standard: Vec<f64> = (0..40).map(|n| 100.0 + f64::from(n)).collect();
@@ -79,7 +82,8 @@ fn proportional_bias_is_the_slope_and_the_limits_width_is_not() {
     assert!((result.limits_width_percent - 5.0).abs() > 1.0);
 }
 
-/// The six targets and four judges of Shrout and Fleiss (1979): 0.29 and 0.71; intervals as R's `psych::ICC` gives them.
+/// The six targets and four judges of Shrout and Fleiss (1979): 0.29 and 0.71; intervals as R's `psych::ICC`
+/// gives them.
 #[test]
 fn judges_of_shrout_and_fleiss() {
     let judges: [[f64; 6]; 4] = [
@@ -98,8 +102,8 @@ fn judges_of_shrout_and_fleiss() {
     close(result.consistency.interval[1], 0.95, 0.006);
 }
 
-/// Concordance is correlation where neither mean nor spread differs, is lowered by a shift as its definition says, and its interval is that of the correlation
-/// (Fisher's, sqrt(n - 2) for sqrt(n - 3)) without a shift.
+/// Concordance is correlation where neither mean nor spread differs, is lowered by a shift as its definition
+/// says, and its interval is that of the correlation (Fisher's, sqrt(n - 2) for sqrt(n - 3)) without a shift.
 #[test]
 fn concordance_by_its_definition() {
     let pairs = flow_meters();
@@ -122,7 +126,8 @@ fn concordance_by_its_definition() {
     assert_eq!(concordance(&same).interval, [1.0; 2]);
 }
 
-/// Of a mean, the bootstrap's interval is Student's, nearly; the same seed gives the same bits, another seed nearly the same. Its coverage is what it says.
+/// Of a mean, the bootstrap's interval is Student's, nearly; the same seed gives the same bits, another seed
+/// nearly the same. Its coverage is what it says.
 #[test]
 fn bootstrapped_intervals() {
     let pairs = flow_meters();

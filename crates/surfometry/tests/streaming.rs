@@ -1,4 +1,5 @@
-//! Images that go by in slabs: the same bits as held whole, whatever the slabs, and memory that does not follow the image.
+//! Images that go by in slabs: the same bits as held whole, whatever the slabs, and memory that does not
+//! follow the image.
 
 mod common;
 

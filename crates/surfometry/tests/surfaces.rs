@@ -1,4 +1,5 @@
-//! The surface of measured objects against exact shapes and against the band integrals, which come from another route.
+//! The surface of measured objects against exact shapes and against the band integrals, which come from
+//! another route.
 
 mod common;
 
@@ -19,7 +20,8 @@ fn relative(value: f64, expected: f64) -> f64 {
     value / expected - 1.0
 }
 
-/// V - E + F is the truth's on every phantom, in a rotated, off-grid pose and on unequal spacings; the mesh is closed.
+/// V - E + F is the truth's on every phantom, in a rotated, off-grid pose and on unequal spacings; the mesh
+/// is closed.
 #[test]
 fn the_meshs_euler_number_is_exact_on_every_phantom() {
     for name in PHANTOM_NAMES {
@@ -40,8 +42,9 @@ fn the_meshs_euler_number_is_exact_on_every_phantom() {
     }
 }
 
-/// Torus 30/10 voxels at sigma 3: the mesh's area is the band's within 0.3 %. Its volume is 0.43 % below the band's: half of that
-/// is the smeared Heaviside's known bias, 0.033 t^2 M, and half that a mesh is inscribed; less the bias they agree to 0.3 %.
+/// Torus 30/10 voxels at sigma 3: the mesh's area is the band's within 0.3 %. Its volume is 0.43 % below the
+/// band's: half of that is the smeared Heaviside's known bias, 0.033 t^2 M, and half that a mesh is
+/// inscribed; less the bias they agree to 0.3 %.
 #[test]
 fn mesh_and_band_agree_on_the_torus() {
     for pose in poses() {
@@ -60,7 +63,8 @@ fn mesh_and_band_agree_on_the_torus() {
     }
 }
 
-/// Voxel maps hold the band integrals: delta sums to the area, weighted by H to the total mean curvature, by K to 2 pi chi.
+/// Voxel maps hold the band integrals: delta sums to the area, weighted by H to the total mean curvature, by
+/// K to 2 pi chi.
 #[test]
 fn voxel_maps_sum_to_the_integrals() {
     let mask = mask(&phantom(Torus { major: 15.0, minor: 6.0 }, poses()[0], [0.8, 1.0, 1.3]));
@@ -94,7 +98,8 @@ fn voxel_maps_sum_to_the_integrals() {
     }
 }
 
-/// On the image's own grid the maps of an object that the image cuts miss the part of the band that lies outside it.
+/// On the image's own grid the maps of an object that the image cuts miss the part of the band that lies
+/// outside it.
 #[test]
 fn a_cut_objects_map_misses_the_cap() {
     let grid = surfometry::volume::Grid::axis_aligned([24, 40, 40], [1.0; 3]).unwrap();
@@ -109,7 +114,8 @@ fn a_cut_objects_map_misses_the_cap() {
     let area = measured.blurred.surface_area_mm2.unwrap();
     assert!(relative(sum(&grid.index_box().grown([9; 3])), area).abs() < 1e-5);
     let inside = sum(&grid.index_box());
-    // Half of the cap's band: the cap is a disc of the ball's radius, a fifth to a third of the half ball's area.
+    // Half of the cap's band: the cap is a disc of the ball's radius, a fifth to a third of the half ball's
+    // area.
     assert!((0.8..0.95).contains(&(inside / area)), "{inside} {area}");
     assert!(codes(&measured).contains(&"touches-border".to_owned()));
 }
@@ -129,8 +135,8 @@ fn a_part_of_a_map_is_the_same() {
     }
 }
 
-/// Errors of H and K at vertices against the truth of the original shape at the nearest point, in units of the largest
-/// curvature and its square.
+/// Errors of H and K at vertices against the truth of the original shape at the nearest point, in units of
+/// the largest curvature and its square.
 fn local_errors(phantom: &Phantom, surface: &Surface, scale: f64) -> [f64; 2] {
     let truth: Vec<Curvature> = surface
         .mesh
@@ -145,8 +151,9 @@ fn local_errors(phantom: &Phantom, surface: &Surface, scale: f64) -> [f64; 2] {
     ]
 }
 
-/// Rotated ellipsoids on unequal spacings, whose k1 and k2 differ everywhere: a wrong index pair in K shows here. The errors
-/// are the grid's noise and fall as the grid gets finer at a fixed ratio of sigma to the shape.
+/// Rotated ellipsoids on unequal spacings, whose k1 and k2 differ everywhere: a wrong index pair in K shows
+/// here. The errors are the grid's noise and fall as the grid gets finer at a fixed ratio of sigma to the
+/// shape.
 #[test]
 fn curvature_at_vertices_of_rotated_ellipsoids() {
     let radii = [40.0, 28.0, 22.0];
@@ -166,9 +173,10 @@ fn curvature_at_vertices_of_rotated_ellipsoids() {
     }
 }
 
-/// On slices so thick that sigma is less than one (automatic sigma at 0.5 x 0.5 x 5 is 0.43 of the slice) normals still point
-/// outward and H is the ball's on average. (A Gaussian's samples between the slices, with the moments of those on them, would
-/// turn the normals by 16 degrees and lose 16 % of H.) Without a blur worth the name there is a mesh, and no curvature.
+/// On slices so thick that sigma is less than one (automatic sigma at 0.5 x 0.5 x 5 is 0.43 of the slice)
+/// normals still point outward and H is the ball's on average. (A Gaussian's samples between the slices, with
+/// the moments of those on them, would turn the normals by 16 degrees and lose 16 % of H.) Without a blur
+/// worth the name there is a mesh, and no curvature.
 #[test]
 fn thick_slices_and_no_blur_leave_a_geometry() {
     let radius = 20.0;
@@ -200,8 +208,8 @@ fn thick_slices_and_no_blur_leave_a_geometry() {
     assert!(surface.vertices.iter().all(|v| (unit(v) - 1.0).abs() < 1e-9));
 }
 
-/// Where the blur has nearly removed a plate its gradient collapses. Such vertices are counted, get no curvature, and stay out of
-/// distributions, which would otherwise be ruled by them.
+/// Where the blur has nearly removed a plate its gradient collapses. Such vertices are counted, get no
+/// curvature, and stay out of distributions, which would otherwise be ruled by them.
 #[test]
 fn collapsed_gradients_stay_out_of_distributions() {
     let grid = surfometry::volume::Grid::axis_aligned([60, 60, 30], [1.0; 3]).unwrap();
@@ -226,8 +234,8 @@ fn collapsed_gradients_stay_out_of_distributions() {
     assert!(surface.distributions()[0].by_area.maximum < 10.0);
 }
 
-/// Area-weighted sums over the vertices are the surface integrals: M to 1 %, 2 pi chi by Gauss and Bonnet to 0.1, and the
-/// bending energy of a ball 8 pi.
+/// Area-weighted sums over the vertices are the surface integrals: M to 1 %, 2 pi chi by Gauss and Bonnet to
+/// 0.1, and the bending energy of a ball 8 pi.
 #[test]
 fn vertices_add_up_to_the_integrals() {
     let mask = mask(&phantom(Torus { major: 30.0, minor: 10.0 }, poses()[1], [1.0, 0.8, 1.2]));

@@ -1,4 +1,5 @@
-//! Where topology changes: shapes whose holes, struts, gaps and cavities are known, with a blur that does away with them.
+//! Where topology changes: shapes whose holes, struts, gaps and cavities are known, with a blur that does
+//! away with them.
 
 mod common;
 
@@ -49,8 +50,8 @@ fn holes_that_the_blur_closes_are_found() {
                 assert!((x - centre).abs() < 1.0, "{x} for {centre}");
                 let [_, y, z] = in_shape(&pose, change);
                 assert!(y.abs() < 1.0 && z.abs() < 1.0, "{y} {z}");
-                // A voxel beside the axis is nearer to the wall, and the wall's voxels reach into the hole: up to a voxel less, and one more
-                // where slices are thick.
+                // A voxel beside the axis is nearer to the wall, and the wall's voxels reach into the hole:
+                // up to a voxel less, and one more where slices are thick.
                 assert!((4.0..=6.0).contains(&change.width_mm), "{}", change.width_mm);
             }
             assert!(codes(&measured).contains(&"euler-differs-from-voxels".to_owned()));
@@ -118,7 +119,8 @@ fn struts_plates_and_specks_that_the_blur_takes_away_are_found() {
     assert_eq!(lost.voxel, [51, 21, 21]);
 }
 
-/// The same places in the same order, and the same flattest place, on any number of threads: also where the object spans several tiles.
+/// The same places in the same order, and the same flattest place, on any number of threads: also where the
+/// object spans several tiles.
 #[test]
 fn places_do_not_depend_on_threads() {
     let grid = Grid::axis_aligned([150, 60, 60], [1.0; 3]).unwrap();
@@ -144,7 +146,8 @@ fn nothing_is_found_where_nothing_changes() {
     assert_eq!(measured.topology.euler_characteristic_expected, Some(0.0));
 }
 
-/// A hole that closes between the levels of the band: Gauss-Bonnet sees the mean over the levels, which meshes of other levels confirm.
+/// A hole that closes between the levels of the band: Gauss-Bonnet sees the mean over the levels, which
+/// meshes of other levels confirm.
 #[test]
 fn the_band_sees_the_mean_over_its_levels() {
     let shape = phantom(Genus { genus: 2, major: 3.6, minor: 7.0 }, poses()[0], [1.0; 3]);

@@ -49,7 +49,8 @@ fn five_sigma_is_far_enough_and_three_is_not() {
     assert!(three[2] > 5e-3, "{three:?}");
 }
 
-/// At a wide blur, where the cut falls on exactly 5 sigma along every axis: chi loses 2e-4, M 4e-5, both downwards.
+/// At a wide blur, where the cut falls on exactly 5 sigma along every axis: chi loses 2e-4, M 4e-5, both
+/// downwards.
 #[test]
 fn a_wide_blur_is_cut_as_well() {
     let phantom = phantom(surfometry::phantoms::Ball { radius: 30.0 }, poses()[0], [1.0; 3]);

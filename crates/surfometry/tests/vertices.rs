@@ -68,8 +68,8 @@ fn off_the_grid_the_jet_is_the_fields_derivative() {
     }
 }
 
-/// Beyond four spacings of sigma derivatives are interpolated between voxels instead of convolved at the point; just on either side
-/// of that the two agree to 1e-5 of the curvature.
+/// Beyond four spacings of sigma derivatives are interpolated between voxels instead of convolved at the
+/// point; just on either side of that the two agree to 1e-5 of the curvature.
 #[test]
 fn wide_blurs_are_interpolated_without_loss() {
     let phantom = phantom(Ellipsoid { radii: [30.0, 22.0, 18.0] }, poses()[2], [1.0, 0.8, 0.9]);
@@ -87,7 +87,8 @@ fn wide_blurs_are_interpolated_without_loss() {
     assert!(mean < 2e-5 && gaussian < 2e-5, "{mean} {gaussian}");
 }
 
-/// The indicator of a ball after a Gaussian blur, at distance r from its centre: the radial integral in closed form.
+/// The indicator of a ball after a Gaussian blur, at distance r from its centre: the radial integral in
+/// closed form.
 fn blurred_ball(r: f64, radius: f64, sigma: f64) -> f64 {
     let (a, b) = ((radius - r) / sigma, (radius + r) / sigma);
     let bells = (-a * a / 2.0).exp() - (-b * b / 2.0).exp();
@@ -103,9 +104,10 @@ fn blurred_radius(radius: f64, sigma: f64) -> f64 {
     low
 }
 
-/// Vertices are left where the field, linear along grid edges, is 0. Pulling them onto its true zero by Newton's steps moves
-/// them by 0.003 voxel, ten times less than what voxelising moves the field itself, so their distance to the blurred
-/// ball does not change; the mesh's area and volume, low because a mesh is inscribed, gain a fifth of that.
+/// Vertices are left where the field, linear along grid edges, is 0. Pulling them onto its true zero by
+/// Newton's steps moves them by 0.003 voxel, ten times less than what voxelising moves the field itself, so
+/// their distance to the blurred ball does not change; the mesh's area and volume, low because a mesh is
+/// inscribed, gain a fifth of that.
 #[test]
 fn newton_steps_gain_nothing() {
     for (radius, sigma) in [(10.0, 2.0), (20.0, 2.0), (20.0, 3.0)] {
@@ -137,8 +139,8 @@ fn newton_steps_gain_nothing() {
     }
 }
 
-/// Noise of H at the vertices of a ball against the blurred ball's 1/r: 0.052 h^2 / sigma^3, so 13 % at sigma = 2 voxels
-/// and R = 20, and an eighth of that at twice the sigma.
+/// Noise of H at the vertices of a ball against the blurred ball's 1/r: 0.052 h^2 / sigma^3, so 13 % at sigma
+/// = 2 voxels and R = 20, and an eighth of that at twice the sigma.
 #[test]
 fn the_noise_of_h_falls_as_the_cube_of_sigma() {
     let radius = 20.0;
@@ -161,9 +163,9 @@ fn the_noise_of_h_falls_as_the_cube_of_sigma() {
     }
 }
 
-/// The blur's shift is -sigma^2 H: right to grid noise (0.06 voxel at sigma 2, 0.04 at 3) where the shift is up to 0.9. A
-/// step, or several, towards the zero of phi - sigma^2 Laplacian(phi) were no better (0.056 and 0.055 at sigma 2 on the
-/// first shape, 0.047 and 0.036 at sigma 4, where this gives 0.034).
+/// The blur's shift is -sigma^2 H: right to grid noise (0.06 voxel at sigma 2, 0.04 at 3) where the shift is
+/// up to 0.9. A step, or several, towards the zero of phi - sigma^2 Laplacian(phi) were no better (0.056 and
+/// 0.055 at sigma 2 on the first shape, 0.047 and 0.036 at sigma 4, where this gives 0.034).
 #[test]
 fn displacement_is_the_blurs_shift() {
     let torus = || Torus { major: 30.0, minor: 10.0 };
@@ -187,8 +189,8 @@ fn displacement_is_the_blurs_shift() {
     }
 }
 
-/// A field of one's own is differentiated by the polynomial through the voxels around: on a smooth one, H and K at vertices
-/// are right to 2e-4 of the largest curvature, on unequal spacings too.
+/// A field of one's own is differentiated by the polynomial through the voxels around: on a smooth one, H and
+/// K at vertices are right to 2e-4 of the largest curvature, on unequal spacings too.
 #[test]
 fn differences_at_vertices_of_a_smooth_field() {
     for spacing in [[1.0; 3], [0.8, 1.3, 1.0]] {

@@ -24,7 +24,8 @@ fn cuboid(lower: [f64; 3], upper: [f64; 3]) -> Mesh {
     Mesh { vertices, triangles }
 }
 
-/// Faces, edges and corners that pass exactly through voxel centres: each centre on the lower side is in, each on the upper out, or the other way, but none twice or not at all.
+/// Faces, edges and corners that pass exactly through voxel centres: each centre on the lower side is in,
+/// each on the upper out, or the other way, but none twice or not at all.
 #[test]
 fn faces_through_centres() {
     let mesh = cuboid([1.0, 2.0, 3.0], [5.0, 8.0, 6.0]);
@@ -50,8 +51,9 @@ fn faces_through_centres() {
     assert_eq!(voxels(&hollow, [1.0; 3]).voxels(), 1000 - 64);
 }
 
-/// The fine mesh of a torus in any pose, on cubic and unequal spacings: nearly the voxels of the shape itself, whose surface the mesh is within a
-/// hundredth of a voxel of, and V and A of the original object within what the grid allows.
+/// The fine mesh of a torus in any pose, on cubic and unequal spacings: nearly the voxels of the shape
+/// itself, whose surface the mesh is within a hundredth of a voxel of, and V and A of the original object
+/// within what the grid allows.
 #[test]
 fn voxels_of_a_mesh_are_those_of_its_shape() {
     for pose in poses() {

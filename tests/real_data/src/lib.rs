@@ -1,4 +1,5 @@
-//! Tests on the data set that lies beside a checkout, in ../shared/data; where it is absent they are ignored, visibly.
+//! Tests on the data set that lies beside a checkout, in ../shared/data; where it is absent they are ignored,
+//! visibly.
 
 use std::path::{Path, PathBuf};
 

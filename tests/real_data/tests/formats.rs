@@ -1,4 +1,5 @@
-//! One object in every file variant gives one set of numbers; `tests/oracles` writes the same variants with other tools.
+//! One object in every file variant gives one set of numbers; `tests/oracles` writes the same variants with
+//! other tools.
 
 #[path = "../../../crates/surfometry/tests/common/mod.rs"]
 mod common;
@@ -21,8 +22,8 @@ fn measured(image: &LabelImage) -> Measured {
     Measurement::default().sigma_mm(3.0).thickness_mm(6.25).run(image.group_mask(&groups[0])).unwrap()
 }
 
-/// Variants with the whole geometry, in the same storage order: the same voxels through another header. Headers in
-/// f32 leave 1e-6.
+/// Variants with the whole geometry, in the same storage order: the same voxels through another header.
+/// Headers in f32 leave 1e-6.
 const WHOLE: [&str; 17] = [
     "femur.nii",
     "femur_nifti2.nii.gz",

@@ -43,14 +43,16 @@ fn femur_by_gaussian_derivatives() {
     assert!((m.blurred.euler_characteristic.unwrap() - 1.993).abs() < 0.01);
     within(m.surface_area_mm2, 24_279.0, 1e-3);
     within(m.total_mean_curvature_mm, 834.3, 1e-3);
-    // The voxels themselves hold 184 619 mm^3, 0.10 % less than the mesh's 184 805 (a flat cut along the grid), and
-    // that is what a faithful estimate finds: within 0.05 % of the voxels, so 0.08 to 0.15 % below the mesh.
+    // The voxels themselves hold 184 619 mm^3, 0.10 % less than the mesh's 184 805 (a flat cut along the
+    // grid), and that is what a faithful estimate finds: within 0.05 % of the voxels, so 0.08 to 0.15 % below
+    // the mesh.
     within(m.volume_mm3, m.voxels.volume_mm3, 5e-4);
     let below_mesh = 1.0 - m.volume_mm3.unwrap() / 184_805.0;
     assert!((0.0008..0.0015).contains(&below_mesh), "{below_mesh}");
 }
 
-/// As sigma goes to 0 the compensated volume goes to the voxels', from below: the residual is of order sigma^4.
+/// As sigma goes to 0 the compensated volume goes to the voxels', from below: the residual is of order
+/// sigma^4.
 #[test]
 #[cfg_attr(not(shared_data), ignore = "../shared/data is absent")]
 fn femur_volume_tends_to_the_voxels() {
@@ -107,8 +109,8 @@ fn topology_of_every_label_is_scikit_images() {
     assert!(checked > 100, "only {checked} labels were checked");
 }
 
-/// All nine vertebrae of a scan at once, at defaults; each volume within 4 % of its voxels' (thin processes at 1 x 1 x 2 mm
-/// lose more than compensation gives back, so always below).
+/// All nine vertebrae of a scan at once, at defaults; each volume within 4 % of its voxels' (thin processes
+/// at 1 x 1 x 2 mm lose more than compensation gives back, so always below).
 #[test]
 #[cfg_attr(not(shared_data), ignore = "../shared/data is absent")]
 fn nine_vertebrae_of_a_scan() {
@@ -129,8 +131,8 @@ fn nine_vertebrae_of_a_scan() {
     }
 }
 
-/// Three slices of an organ at 1 mm under a blur of 1.6 mm: nothing there can be compensated, and no number is printed
-/// as if it could. (Before collapsed gradients were left out, the volume came out at 7e9 mm^3.)
+/// Three slices of an organ at 1 mm under a blur of 1.6 mm: nothing there can be compensated, and no number
+/// is printed as if it could. (Before collapsed gradients were left out, the volume came out at 7e9 mm^3.)
 #[test]
 #[cfg_attr(not(shared_data), ignore = "../shared/data is absent")]
 fn three_slices_give_no_absurd_numbers() {
@@ -154,8 +156,8 @@ fn three_slices_give_no_absurd_numbers() {
     }
 }
 
-/// Surfaces of real objects: closed, with the Euler number of the summary, which is even, and a volume a little below the band's (whose
-/// Heaviside adds 0.033 t^2 M; a mesh is inscribed).
+/// Surfaces of real objects: closed, with the Euler number of the summary, which is even, and a volume a
+/// little below the band's (whose Heaviside adds 0.033 t^2 M; a mesh is inscribed).
 #[test]
 #[cfg_attr(not(shared_data), ignore = "../shared/data is absent")]
 fn surfaces_of_real_objects_are_closed() {
@@ -185,7 +187,8 @@ fn surfaces_of_real_objects_are_closed() {
     }
 }
 
-/// Vertices moved back by the blur's shift span the source mesh's area to 0.6 % (without, they miss 2.7 %: its sharp rims are gone).
+/// Vertices moved back by the blur's shift span the source mesh's area to 0.6 % (without, they miss 2.7 %:
+/// its sharp rims are gone).
 #[test]
 #[cfg_attr(not(shared_data), ignore = "../shared/data is absent")]
 fn undoing_the_displacement_gives_the_femurs_area_back() {
@@ -202,8 +205,8 @@ fn undoing_the_displacement_gives_the_femurs_area_back() {
     assert!(before < -0.02 && after.abs() < 6e-3, "{before} {after}");
 }
 
-/// The shaft of a femur that the image cuts at two heights differs by the bone that is gone, and by nothing else: by what is measured of that
-/// bone alone. With caps, the mean of H follows the cut.
+/// The shaft of a femur that the image cuts at two heights differs by the bone that is gone, and by nothing
+/// else: by what is measured of that bone alone. With caps, the mean of H follows the cut.
 #[test]
 #[cfg_attr(not(shared_data), ignore = "../shared/data is absent")]
 fn femurs_cut_at_two_heights() {

@@ -10,7 +10,8 @@ fn voxels(mesh: &Mesh, spacing: [f64; 3]) -> u64 {
     VoxelisedMesh::new(mesh, Spacing::new(spacing).unwrap()).unwrap().labels().unwrap().mask(1).voxels()
 }
 
-/// The femur's mesh on the lattice of the voxels that trimesh made of it: as many voxels within the noise of where the lattice lies.
+/// The femur's mesh on the lattice of the voxels that trimesh made of it: as many voxels within the noise of
+/// where the lattice lies.
 #[test]
 #[cfg_attr(not(shared_data), ignore = "../shared/data is absent")]
 fn a_real_femur() {

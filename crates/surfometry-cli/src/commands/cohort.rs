@@ -12,8 +12,9 @@ const MOST: i64 = 100_000;
 
 /// Write a cohort of femurs and vertebrae like the paper's, and a table of their exact integrals
 ///
-/// Each is a phantom with a shape, size, pose and spacing of its own, the same at every run. truth.csv can be given to `compare`. Files that are there already are
-/// left as they are, so a run that was stopped can be started again.
+/// Each is a phantom with a shape, size, pose and spacing of its own, the same at every run. truth.csv can be
+/// given to `compare`. Files that are there already are left as they are, so a run that was stopped can be
+/// started again.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
     /// Folder to write into; it is made where it is not there

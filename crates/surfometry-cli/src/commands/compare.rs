@@ -12,9 +12,10 @@ use surfometry::statistics::Bootstrap;
 
 /// Compare two tables of the same objects: regression, Bland-Altman, concordance, Euler characteristics
 ///
-/// Tables are CSV files as `measure --format csv` writes them, or any others with a column `input`; objects are matched by
-/// the columns input and label, and by file names without folders where folders differ. Bias is METHOD minus STANDARD.
-/// Give the same file twice to compare two of its columns, as volume_mm3:truth_volume_mm3.
+/// Tables are CSV files as `measure --format csv` writes them, or any others with a column `input`; objects
+/// are matched by the columns input and label, and by file names without folders where folders differ. Bias
+/// is METHOD minus STANDARD. Give the same file twice to compare two of its columns, as
+/// volume_mm3:truth_volume_mm3.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
     /// Table of the method
@@ -23,14 +24,16 @@ pub(crate) struct Args {
     /// Table of the standard
     #[arg(value_name = "STANDARD.csv")]
     standard: String,
-    /// What to compare: a column of both tables, or one of each; may be given several times [default: volume_mm3,
-    /// surface_area_mm2, total_mean_curvature_mm, average_mean_curvature_per_mm, euler_characteristic]
+    /// What to compare: a column of both tables, or one of each; may be given several times [default:
+    /// volume_mm3, surface_area_mm2, total_mean_curvature_mm, average_mean_curvature_per_mm,
+    /// euler_characteristic]
     #[arg(long = "column", value_name = "NAME|METHOD:STANDARD")]
     columns: Vec<ColumnPair>,
     /// What to call the two [default: the files' names]
     #[arg(long, value_name = "METHOD,STANDARD", value_parser = two_names)]
     names: Option<[String; 2]>,
-    /// Files to write as well: .html a page with charts, .png or .svg the charts, .json everything; may be given several times
+    /// Files to write as well: .html a page with charts, .png or .svg the charts, .json everything; may be
+    /// given several times
     #[arg(short, long = "output", value_name = "FILE")]
     outputs: Vec<PathBuf>,
     /// Samples of the bootstrap

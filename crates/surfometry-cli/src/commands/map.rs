@@ -14,11 +14,11 @@ use surfometry::runs::{Batch, Collected, FileLedger, MapFile, MapStyle, MapTask,
 
 /// Map curvature on the surface: meshes, voxel maps, pictures, distributions
 ///
-/// Each -o FILE is written for each object, in the format that its ending names: meshes with curvature at the vertices
-/// (.ply, .vtp, .stl, .obj, .glb, .gii, .csv), voxel maps on the input's own grid (.nii, .nii.gz; see --voxels), pictures
-/// (.png, .svg; see --picture). A .json file holds the results, curvature summaries and distributions of all objects.
-/// Where there are several inputs or objects, `_NAME` and `_label-N` go before the ending. The names of all files are
-/// printed.
+/// Each -o FILE is written for each object, in the format that its ending names: meshes with curvature at the
+/// vertices (.ply, .vtp, .stl, .obj, .glb, .gii, .csv), voxel maps on the input's own grid (.nii, .nii.gz;
+/// see --voxels), pictures (.png, .svg; see --picture). A .json file holds the results, curvature summaries
+/// and distributions of all objects. Where there are several inputs or objects, `_NAME` and `_label-N` go
+/// before the ending. The names of all files are printed.
 ///
 /// Coordinates are RAS, in mm. Exit status as of `measure`.
 #[derive(Debug, clap::Args)]

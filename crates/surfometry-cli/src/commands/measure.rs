@@ -15,12 +15,13 @@ use surfometry::runs::{
 /// Measure the objects of label images
 ///
 /// INPUT is a file (NIfTI, MetaImage, NRRD, NumPy), a pattern, or a built-in shape with known truth:
-/// phantom:NAME?key=value&... with NAME ball, ellipsoid, capsule, torus, rounded-box, shell, two-balls, genus, gyroid,
-/// schwarz-p, femur or vertebra and keys radius, radii, major, minor, length, inner, genus, period, size, individual, holes,
-/// spacing, rotate, shift, jitter. A closed mesh (STL, PLY) is put on the lattice of --spacing.
+/// phantom:NAME?key=value&... with NAME ball, ellipsoid, capsule, torus, rounded-box, shell, two-balls,
+/// genus, gyroid, schwarz-p, femur or vertebra and keys radius, radii, major, minor, length, inner, genus,
+/// period, size, individual, holes, spacing, rotate, shift, jitter. A closed mesh (STL, PLY) is put on the
+/// lattice of --spacing.
 ///
-/// Exit status: 0 all measured, 1 some inputs failed (they are listed, the others are measured), 2 the command was
-/// wrong, 130 stopped by Ctrl-C.
+/// Exit status: 0 all measured, 1 some inputs failed (they are listed, the others are measured), 2 the
+/// command was wrong, 130 stopped by Ctrl-C.
 #[derive(Debug, clap::Args)]
 #[expect(clippy::struct_excessive_bools, reason = "each is a switch of the command line")]
 pub(crate) struct Args {
@@ -31,12 +32,13 @@ pub(crate) struct Args {
     options: MeasureOptions,
     #[command(flatten)]
     results: OutputOptions,
-    /// Picture of the surface, coloured by mean curvature; `map` makes others. Where there are several inputs or objects,
-    /// `_NAME` and `_label-N` go before the ending
+    /// Picture of the surface, coloured by mean curvature; `map` makes others. Where there are several inputs
+    /// or objects, `_NAME` and `_label-N` go before the ending
     #[arg(long, value_name = "FILE.png")]
     png: Option<PathBuf>,
-    /// Shows, in the table, what was added for the original object, term by term, and every place where the blur or the band changes
-    /// the object's topology (docs/quantities.md); the places are in JSON too, and are looked for where voxels and surface agree as well
+    /// Shows, in the table, what was added for the original object, term by term, and every place where the
+    /// blur or the band changes the object's topology (docs/quantities.md); the places are in JSON too, and
+    /// are looked for where voxels and surface agree as well
     #[arg(long)]
     explain: bool,
     /// Measures each 26-connected piece as an object of its own, the largest first

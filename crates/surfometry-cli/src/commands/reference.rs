@@ -9,9 +9,11 @@ use anyhow::Result;
 use surfometry::reference_methods::{METHODS, ReferenceMethod};
 use surfometry::runs::{Batch, ReferenceRecord, ReferenceTask};
 
-/// Measure objects by the classical methods: counted voxels, exact Euler numbers, triangulation, dilation, Crofton
+/// Measure objects by the classical methods: counted voxels, exact Euler numbers, triangulation, dilation,
+/// Crofton
 ///
-/// What each is and how far it is off is in docs/reference_methods.md. A table of one method, as CSV, can be given to `compare`.
+/// What each is and how far it is off is in docs/reference_methods.md. A table of one method, as CSV, can be
+/// given to `compare`.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
     /// Files, patterns or phantoms

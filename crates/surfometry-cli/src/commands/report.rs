@@ -12,10 +12,11 @@ use surfometry::inputs::input_title;
 use surfometry::report::{Provenance, Report, ReportPart, ReportTask, render};
 use surfometry::runs::{Batch, Collected};
 
-/// Write one HTML page with the numbers, the surface to turn, its distributions, slices, method and provenance
+/// Write one HTML page with the numbers, the surface to turn, its distributions, slices, method and
+/// provenance
 ///
-/// The page needs no network. Each object of each input gets a section; a page of more than a few dozen surfaces is slow in
-/// browsers.
+/// The page needs no network. Each object of each input gets a section; a page of more than a few dozen
+/// surfaces is slow in browsers.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
     /// Files, patterns or phantoms

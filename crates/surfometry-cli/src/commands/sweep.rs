@@ -16,8 +16,9 @@ use surfometry::runs::{
 
 /// Measure the same objects over a range of sigma, thickness or level
 ///
-/// Where a number stays the same over the range it is the object's; where it drifts or jumps, the choice matters: parts are lost, or the grid shows. The
-/// records are those of `measure`, one a value; what is swept stands in their parameters.
+/// Where a number stays the same over the range it is the object's; where it drifts or jumps, the choice
+/// matters: parts are lost, or the grid shows. The records are those of `measure`, one a value; what is swept
+/// stands in their parameters.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
     /// Files, patterns or phantoms
@@ -32,14 +33,16 @@ pub(crate) struct Args {
     /// Equal ratios between values, not equal steps
     #[arg(long)]
     log: bool,
-    /// Chart of V, A, M and chi over the range, an object each: blurred, and original with 95 % bars. Where there are several inputs or
-    /// objects, `_NAME` and `_label-N` go before the ending
+    /// Chart of V, A, M and chi over the range, an object each: blurred, and original with 95 % bars. Where
+    /// there are several inputs or objects, `_NAME` and `_label-N` go before the ending
     #[arg(long, value_name = "FILE.png|.svg")]
     chart: Option<PathBuf>,
-    /// What the chart shows instead: names of columns of --format csv, such as average_mean_curvature_per_mm,blurred_volume_mm3
+    /// What the chart shows instead: names of columns of --format csv, such as
+    /// average_mean_curvature_per_mm,blurred_volume_mm3
     #[arg(long, value_delimiter = ',', value_name = "NAME", requires = "chart")]
     measures: Vec<String>,
-    /// Pictures of the surface along the way, all in the colours of the first; the value, such as `_sigma-2`, goes before the ending
+    /// Pictures of the surface along the way, all in the colours of the first; the value, such as `_sigma-2`,
+    /// goes before the ending
     #[arg(long, value_name = "FILE.png|.svg")]
     surfaces: Option<PathBuf>,
     /// How many of them, evenly over the values

@@ -12,8 +12,9 @@ use surfometry::validation::{Validation, ZOO, summarise};
 
 /// Measure a zoo of shapes with exact truth, in many poses, and print how far off the numbers are
 ///
-/// Each shape is made with a radius of curvature R (1 / rms of the larger principal curvature) of some voxels, on cubic and on unequal spacings, rotated and
-/// shifted off the grid, and measured with the defaults; local curvature with --curvature-sigma auto. Nothing is read but the program itself.
+/// Each shape is made with a radius of curvature R (1 / rms of the larger principal curvature) of some
+/// voxels, on cubic and on unequal spacings, rotated and shifted off the grid, and measured with the
+/// defaults; local curvature with --curvature-sigma auto. Nothing is read but the program itself.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
     /// R in units of the largest spacing

@@ -7,8 +7,8 @@ use surfometry::accuracy::{CompensatedIntegrals, CompensationTerms, Flag, FlagCo
 use surfometry::measurement::{ChangeStage, DescribedSurface, EmbeddingKind, SurfaceValues, UNEXPLAINED};
 use surfometry::runs::Record;
 
-/// A plain table with columns of numbers. A long one has its header again and again, and is set part by part: a table of a
-/// hundred thousand objects would take a kilobyte for each.
+/// A plain table with columns of numbers. A long one has its header again and again, and is set part by part:
+/// a table of a hundred thousand objects would take a kilobyte for each.
 pub(crate) struct Layout {
     columns: Vec<String>,
     part: Table,
@@ -200,8 +200,8 @@ fn term_rows(terms: &CompensationTerms) -> Vec<Vec<String>> {
     causes.into_iter().map(row).collect()
 }
 
-/// An Euler characteristic by Gauss and Bonnet. It is rounded before it is printed, and 0 is added, so that no -0.000
-/// appears.
+/// An Euler characteristic by Gauss and Bonnet. It is rounded before it is printed, and 0 is added, so that
+/// no -0.000 appears.
 fn thousandths(chi: Option<f64>) -> String {
     chi.map_or_else(|| MISSING.to_owned(), |chi| format!("{:.3}", (chi * 1000.0).round() / 1000.0 + 0.0))
 }

@@ -19,31 +19,37 @@ pub struct CompensatedIntegrals {
 pub struct CompensationTerms {
     /// For the surface's shift by the blur: sigma^2 (M + M_c) / 2, 2 sigma^2 int H^2, sigma^2 int H K.
     pub shift: CompensatedIntegrals,
-    /// For the band's averaging over parallel surfaces: minus its variance times M and times the integral of K.
+    /// For the band's averaging over parallel surfaces: minus its variance times M and times the integral of
+    /// K.
     pub band: CompensatedIntegrals,
-    /// For what the blur leaves of the voxels' terraces: minus 3/2 of their mean square slope times A and M, and how the band samples them.
+    /// For what the blur leaves of the voxels' terraces: minus 3/2 of their mean square slope times A and M,
+    /// and how the band samples them.
     pub terraces: CompensatedIntegrals,
 }
 
-/// Undoes, to first order in sigma^2, what the blur did, to second order in t what the band did, and the terraces' part on the mean over directions.
+/// Undoes, to first order in sigma^2, what the blur did, to second order in t what the band did, and the
+/// terraces' part on the mean over directions.
 ///
-/// The blur moves the surface by -sigma^2 H along its normal. Moving it back changes A by 2 sigma^2 int H^2 and M by
-/// sigma^2 int H K. V changes by M at every step of the way, so by sigma^2 times the mean of M on the blurred and on
-/// the compensated surface: the trapezoid rule, which leaves a quarter of the error that M of the blurred surface
-/// alone would (a ball of R = 5 sigma: -0.08 % instead of -0.32 %).
+/// The blur moves the surface by -sigma^2 H along its normal. Moving it back changes A by 2 sigma^2 int H^2
+/// and M by sigma^2 int H K. V changes by M at every step of the way, so by sigma^2 times the mean of M on
+/// the blurred and on the compensated surface: the trapezoid rule, which leaves a quarter of the error that M
+/// of the blurred surface alone would (a ball of R = 5 sigma: -0.08 % instead of -0.32 %).
 ///
-/// The smeared Heaviside and delta average over parallel surfaces with a mean square distance `variance`: V is too
-/// large by `variance` M and A by `variance` int K (Steiner), and M is right because its second derivative along the
-/// normal vanishes.
+/// The smeared Heaviside and delta average over parallel surfaces with a mean square distance `variance`: V
+/// is too large by `variance` M and A by `variance` int K (Steiner), and M is right because its second
+/// derivative along the normal vanishes.
 ///
-/// Terraces with the mean square slope q make A larger by q/2 A and, their integral of H^2 being q / (2 sigma^2), its shift by q A; the same holds of M, whose second variation is H / 2
-/// times the slope squared. The band's samples lie on the terraces' own grid, which changes A by their excess. Faces along the grid have none.
+/// Terraces with the mean square slope q make A larger by q/2 A and, their integral of H^2 being q / (2
+/// sigma^2), its shift by q A; the same holds of M, whose second variation is H / 2 times the slope squared.
+/// The band's samples lie on the terraces' own grid, which changes A by their excess. Faces along the grid
+/// have none.
 ///
-/// `sigma` is 0 where the embedding has no leading shift ([`GaussianEmbedding::corrected`](crate::embedding::GaussianEmbedding::corrected)): then
-/// the band's part alone is taken off.
+/// `sigma` is 0 where the embedding has no leading shift
+/// ([`GaussianEmbedding::corrected`](crate::embedding::GaussianEmbedding::corrected)): then the band's part
+/// alone is taken off.
 ///
-/// What is left is of order sigma^4 / R^4: on a ball up to 0.2 % at R = 5 sigma, 3 % at R = 2.5 sigma. Valid at level
-/// 0.5 only.
+/// What is left is of order sigma^4 / R^4: on a ball up to 0.2 % at R = 5 sigma, 3 % at R = 2.5 sigma. Valid
+/// at level 0.5 only.
 pub fn compensation_terms(
     plain: &Integrals,
     sigma: f64,

@@ -56,21 +56,24 @@ impl CurvatureErrors {
 
 /// Noise of H with the corrected embedding, in units of h^2 / sigma^3.
 const NOISE: f64 = 0.136;
-/// Cosine of 11 degrees: where the normal is nearer to an axis of the grid, the voxels' steps are wide and noise is larger.
+/// Cosine of 11 degrees: where the normal is nearer to an axis of the grid, the voxels' steps are wide and
+/// noise is larger.
 const NEAR_AXIS: f64 = 0.9816;
 /// Noise there, and elsewhere, in units of its rms over all directions.
 const SHARES: [f64; 2] = [2.5, 0.85];
 /// Share of the difference between corrected and plain curvature that may be left as bias.
 const BIAS: f64 = 0.65;
-/// Bias of H, K and k1 or k2 that is left where curvature varies, in units of sigma^4 / R^5, sigma^4 / R^6 and again the first.
+/// Bias of H, K and k1 or k2 that is left where curvature varies, in units of sigma^4 / R^5, sigma^4 / R^6
+/// and again the first.
 ///
-/// This and the share above are larger than a first study had them (0.35 and 1), with which 71 to 95 % of the surface of ellipsoids lay within the bars; with
-/// these it is 90 to 100 % on smooth shapes (`surfometry validate`, docs/accuracy.md). Where curvature jumps, as along the seam of a flat and a round part, no
-/// model of this kind holds: 50 to 85 % there.
+/// This and the share above are larger than a first study had them (0.35 and 1), with which 71 to 95 % of the
+/// surface of ellipsoids lay within the bars; with these it is 90 to 100 % on smooth shapes
+/// (`surfometry validate`, docs/accuracy.md). Where curvature jumps, as along the seam of a flat and a round
+/// part, no model of this kind holds: 50 to 85 % there.
 const REMAINDER: [f64; 3] = [4.0, 6.0, 6.0];
 
-/// What the standard error of curvature at a vertex follows from: the grid's noise, a share of what the correction did, and the
-/// order that is left, sigma^4 / R^5.
+/// What the standard error of curvature at a vertex follows from: the grid's noise, a share of what the
+/// correction did, and the order that is left, sigma^4 / R^5.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LocalErrorModel {
     noise: f64,
@@ -85,8 +88,8 @@ impl LocalErrorModel {
         Self { noise, remainder: sigma.powi(4) / radius.powi(5), radius }
     }
 
-    /// Of a vertex, from the largest component of its normal along the grid's axes and the differences between corrected and plain
-    /// curvature there.
+    /// Of a vertex, from the largest component of its normal along the grid's axes and the differences
+    /// between corrected and plain curvature there.
     pub fn errors(
         &self,
         curvature: &Curvature,
@@ -98,11 +101,13 @@ impl LocalErrorModel {
         let total = |noise: f64, difference: f32, remainder: f64| {
             libm::hypot(libm::hypot(noise, BIAS * f64::from(difference)), remainder) as f32
         };
-        // Noise of H is that of (k1 + k2) / 2 with k1 and k2 independent; K = k1 k2 then has 2 noise sqrt((k1^2 + k2^2) / 2), and its square.
+        // Noise of H is that of (k1 + k2) / 2 with k1 and k2 independent; K = k1 k2 then has 2 noise
+        // sqrt((k1^2 + k2^2) / 2), and its square.
         let of_product = libm::hypot(2.0 * noise * curvature.curvedness(), 2.0 * noise * noise);
         let principal =
             total(std::f64::consts::SQRT_2 * noise, differences.principal, of_principal * self.remainder);
-        // S = 2/pi times the angle of (H, (k1 - k2) / 2), a vector as long as the curvedness, of which each part is off by 1/sqrt 2 of k1's error.
+        // S = 2/pi times the angle of (H, (k1 - k2) / 2), a vector as long as the curvedness, of which each
+        // part is off by 1/sqrt 2 of k1's error.
         let angle = f64::from(principal) / (std::f64::consts::SQRT_2 * curvature.curvedness());
         CurvatureErrors {
             mean_curvature: total(noise, differences.mean_curvature, of_mean * self.remainder),

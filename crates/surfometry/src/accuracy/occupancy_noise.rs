@@ -9,11 +9,13 @@ use std::f64::consts::PI;
 
 /// Noise of integrals over the blurred shares of voxels.
 ///
-/// Shares have no terraces: averaging over a voxel takes away, of the object's spectrum, the frequencies that its samples would fold back. What is left is that the band's smooth delta is
-/// summed at the voxels, not integrated. A frequency xi of the reciprocal lattice adds to A the delta's spectrum D(xi) times the integral of exp(2 pi i xi x)
-/// over the surface, of which only the points count where the normal is along xi: a variance of D^2 / (xi^2 K) each, on the mean over directions
-/// D^2 A / (2 pi xi^2) of all, and twice that where the ends of an object are in step, as of balls and all that is symmetric about a point: that is what counts here. The
-/// smeared Heaviside has the spectrum D / (2 pi xi).
+/// Shares have no terraces: averaging over a voxel takes away, of the object's spectrum, the frequencies that
+/// its samples would fold back. What is left is that the band's smooth delta is summed at the voxels, not
+/// integrated. A frequency xi of the reciprocal lattice adds to A the delta's spectrum D(xi) times the
+/// integral of exp(2 pi i xi x) over the surface, of which only the points count where the normal is along
+/// xi: a variance of D^2 / (xi^2 K) each, on the mean over directions D^2 A / (2 pi xi^2) of all, and twice
+/// that where the ends of an object are in step, as of balls and all that is symmetric about a point: that is
+/// what counts here. The smeared Heaviside has the spectrum D / (2 pi xi).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct OccupancyNoise {
     /// Sums over the reciprocal lattice of D^2 / xi^2, mm^2, and of D^2 / xi^4, mm^4.
@@ -26,13 +28,16 @@ pub(super) struct OccupancyNoise {
 
 /// By how much variances are larger where opposite ends are in step.
 const IN_STEP: f64 = 2.0;
-/// Shares are counted, computed or stored to this share of the noise of bits (8 x 8 x 8 points in a voxel: 1 / 64).
+/// Shares are counted, computed or stored to this share of the noise of bits (8 x 8 x 8 points in a voxel: 1
+/// / 64).
 const INEXACT: f64 = 1.0 / 30.0;
 /// What differences, cut kernels and the mean over directions leave of A and M, as a share of them.
 const LEAST: f64 = 1.5e-4;
-/// The same of what a blur as narrow as the largest spacing leaves of its slices; it falls steeply (A was off by -0.1 % at that blur, -0.03 % at 1.15 spacings, -0.01 % at 1.35).
+/// The same of what a blur as narrow as the largest spacing leaves of its slices; it falls steeply (A was off
+/// by -0.1 % at that blur, -0.03 % at 1.15 spacings, -0.01 % at 1.35).
 const SLICES: f64 = 1e-3;
-/// How much of the spread of a voxel's variance over the axes an object may meet that has no direction like another.
+/// How much of the spread of a voxel's variance over the axes an object may meet that has no direction like
+/// another.
 const DIRECTED: f64 = 0.5;
 
 impl OccupancyNoise {
@@ -84,7 +89,8 @@ impl OccupancyNoise {
         }
     }
 
-    /// How far V, A and M may be off because compensation takes a voxel's variance on the mean over directions.
+    /// How far V, A and M may be off because compensation takes a voxel's variance on the mean over
+    /// directions.
     pub(super) fn directed(&self, surface: &SurfaceIntegrals) -> [f64; 3] {
         let changes = [
             surface.total_mean_curvature,
@@ -101,7 +107,8 @@ mod tests {
     use crate::accuracy::epsilon_of_blur;
     use crate::integrals::Smearing;
 
-    /// Sums of the delta over balls at random places, against the law; the field is the flat edge's profile at the distance from the sphere, exact.
+    /// Sums of the delta over balls at random places, against the law; the field is the flat edge's profile
+    /// at the distance from the sphere, exact.
     #[test]
     fn sampling_noise_is_that_of_sums_over_balls() {
         let spacing = Spacing::new([1.0, 1.0, 1.3]).unwrap();

@@ -22,12 +22,13 @@ pub fn auto_thickness(spacing: Spacing) -> f64 {
     AUTO_THICKNESS_SPACINGS * spacing.largest()
 }
 
-/// Share of a blurred field's saturation that an automatic band keeps within: t = 4.48 sigma at level 0.5, which 2.5
-/// slices exceed from a spacing ratio of 7 on. Just below where the flag `thickness-above-blur` begins.
+/// Share of a blurred field's saturation that an automatic band keeps within: t = 4.48 sigma at level 0.5,
+/// which 2.5 slices exceed from a spacing ratio of 7 on. Just below where the flag `thickness-above-blur`
+/// begins.
 const AUTO_SATURATION: f64 = 0.975;
 
-/// Thickness that suits a grid and a blur whose field saturates at `saturation`, mm: on slices much thicker than
-/// sigma the band would otherwise reach the blurred edge's flat ends.
+/// Thickness that suits a grid and a blur whose field saturates at `saturation`, mm: on slices much thicker
+/// than sigma the band would otherwise reach the blurred edge's flat ends.
 pub fn auto_thickness_of_blur(spacing: Spacing, profile: &EdgeProfile, saturation: f64) -> f64 {
     auto_thickness(spacing).min(thickness_of_blur(profile, AUTO_SATURATION * saturation))
 }
@@ -37,17 +38,18 @@ pub fn thickness_of_blur(profile: &EdgeProfile, epsilon: f64) -> f64 {
     2.0 * profile.distance_of(epsilon)
 }
 
-/// eps for which the band of a blurred flat edge has thickness t; of one blur erf(t / (2 sqrt 2 sigma)) / 2 (Besler et al.,
-/// eq. for epsilon; its linearisation is printed wrong, t / (5 sigma) is right).
+/// eps for which the band of a blurred flat edge has thickness t; of one blur erf(t / (2 sqrt 2 sigma)) / 2
+/// (Besler et al., eq. for epsilon; its linearisation is printed wrong, t / (5 sigma) is right).
 pub fn epsilon_of_blur(profile: &EdgeProfile, thickness: f64) -> f64 {
     profile.value(0.5 * thickness)
 }
 
 /// Mean square distance from the surface, mm^2, at which the delta looks across a blurred flat edge.
 ///
-/// This is what smearing adds to geometry: V gains it times M, A gains it times the integral of K. For the sine
-/// delta and t << sigma it is (1/12 - 1/(2 pi^2)) t^2 = 0.0327 t^2; at larger t the edge's error function bends, so it
-/// is integrated: the integral over s of s^2 delta(u(s)) u'(s), with u the edge's profile.
+/// This is what smearing adds to geometry: V gains it times M, A gains it times the integral of K. For the
+/// sine delta and t << sigma it is (1/12 - 1/(2 pi^2)) t^2 = 0.0327 t^2; at larger t the edge's error
+/// function bends, so it is integrated: the integral over s of s^2 delta(u(s)) u'(s), with u the edge's
+/// profile.
 pub fn band_variance(profile: &EdgeProfile, delta: &SmearedDelta) -> f64 {
     // Beyond 6 sigma the profile is flat; the integrand is smooth and vanishes at both ends of the band.
     const STEPS: i32 = 2000;

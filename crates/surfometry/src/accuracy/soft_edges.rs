@@ -5,11 +5,13 @@ use crate::volume::{ProbabilityImage, Spacing};
 
 /// What a soft segmentation's values tell of it beside its surface.
 ///
-/// Where they are *occupancies*, the share of each voxel that the object fills, the image is that of the object's indicator averaged over voxels: blurred already, by a
-/// box whose variance along an axis of spacing h is h^2 / 12. A mask, with no value between 0 and 1, is not.
+/// Where they are *occupancies*, the share of each voxel that the object fills, the image is that of the
+/// object's indicator averaged over voxels: blurred already, by a box whose variance along an axis of spacing
+/// h is h^2 / 12. A mask, with no value between 0 and 1, is not.
 ///
-/// Which of both an image is, and anything between, is told by the integral of p (1 - p). Across an edge that is half the mean distance between two draws
-/// of whatever blurred it: 0.57 of its standard deviation, be it a box, a Gaussian or a logistic curve, and 0 of a mask.
+/// Which of both an image is, and anything between, is told by the integral of p (1 - p). Across an edge that
+/// is half the mean distance between two draws of whatever blurred it: 0.57 of its standard deviation, be it
+/// a box, a Gaussian or a logistic curve, and 0 of a mask.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SoftEdges {
     /// Sum of the values times a voxel's volume, mm^3: of occupancies, the object's volume.
@@ -19,8 +21,9 @@ pub struct SoftEdges {
     spacing: Spacing,
 }
 
-/// Integral of p (1 - p) across a flat edge of occupancies, in units of the standard deviation of a voxel along the edge's normal: on the mean over directions, to 0.2 % for
-/// spacings up to 1 : 3. (Axis-aligned 1 / sqrt 3 = 0.577; of a Gaussian edge 1 / sqrt pi = 0.564, of a logistic one 0.551.)
+/// Integral of p (1 - p) across a flat edge of occupancies, in units of the standard deviation of a voxel
+/// along the edge's normal: on the mean over directions, to 0.2 % for spacings up to 1 : 3. (Axis-aligned 1 /
+/// sqrt 3 = 0.577; of a Gaussian edge 1 / sqrt pi = 0.564, of a logistic one 0.551.)
 const INTEGRAL_ACROSS: f64 = 0.574;
 
 /// Edges that are softer than occupancies' by more than this factor are told of.
@@ -39,15 +42,17 @@ impl SoftEdges {
         self.softness == 0.0
     }
 
-    /// How wide the edges of a surface of some area are, against those of occupancies: 1 of these, 0 of a mask.
+    /// How wide the edges of a surface of some area are, against those of occupancies: 1 of these, 0 of a
+    /// mask.
     pub fn relative_width(&self, area: f64) -> f64 {
         let spacing = self.spacing;
         let across = INTEGRAL_ACROSS * mean_over_directions(|normal| deviation_of_voxel(spacing, normal));
         self.softness / (area * across)
     }
 
-    /// Variance of what blurred the image before it came, mm^2, on the mean over directions: that of the voxels where edges are as wide as
-    /// occupancies' or wider, less in proportion where they are not, 0 of a mask.
+    /// Variance of what blurred the image before it came, mm^2, on the mean over directions: that of the
+    /// voxels where edges are as wide as occupancies' or wider, less in proportion where they are not, 0 of a
+    /// mask.
     pub fn own_variance(&self, area: f64) -> f64 {
         let voxel = self.spacing.mm().iter().map(|h| h * h).sum::<f64>() / 36.0;
         voxel * self.relative_width(area).min(1.0).powi(2)
@@ -95,7 +100,8 @@ mod tests {
     use super::*;
     use crate::volume::Grid;
 
-    /// A tilted half space seen through a box, a Gaussian and a logistic curve of the same width: the same is found of all, and of its mask nothing.
+    /// A tilted half space seen through a box, a Gaussian and a logistic curve of the same width: the same is
+    /// found of all, and of its mask nothing.
     #[test]
     fn width_is_told_whatever_blurred_the_edge() {
         let (h, n) = ([1.0, 0.8, 1.5], [60, 70, 40]);

@@ -1,8 +1,9 @@
 //! What a blur leaves of the voxels' terraces, and what that adds to area and mean curvature.
 //!
-//! A plane's sampled indicator has copies of its spectrum at every point xi of the reciprocal lattice. After a blur, xi is seen on the plane as a wave of height
-//! exp(-2 pi^2 sigma^2 xi_t^2) / (2 pi xi) where xi's part along the plane, xi_t, is small: where the normal is within about 1 / (2 pi sigma xi) of xi. Surfaces that are
-//! curved have all normals; the formulas here are means over them.
+//! A plane's sampled indicator has copies of its spectrum at every point xi of the reciprocal lattice. After
+//! a blur, xi is seen on the plane as a wave of height exp(-2 pi^2 sigma^2 xi_t^2) / (2 pi xi) where xi's
+//! part along the plane, xi_t, is small: where the normal is within about 1 / (2 pi sigma xi) of xi. Surfaces
+//! that are curved have all normals; the formulas here are means over them.
 
 use crate::embedding::EdgeProfile;
 use crate::integrals::SmearedDelta;
@@ -14,20 +15,24 @@ use std::f64::consts::PI;
 pub struct Terraces {
     /// Their mean square slope.
     pub square_slope: f64,
-    /// By how much the band's sum of area is off, as a share of it, because its samples and the terraces lie on one grid.
+    /// By how much the band's sum of area is off, as a share of it, because its samples and the terraces lie
+    /// on one grid.
     pub sampling_excess: f64,
 }
 
 /// Frequencies, in units of the inverse thickness, above which a band's delta is not seen to be sampled.
 const HIGHEST: f64 = 8.0;
-/// Thinnest band, in units of the largest spacing, of which all such frequencies are summed: their number grows with its square or cube.
+/// Thinnest band, in units of the largest spacing, of which all such frequencies are summed: their number
+/// grows with its square or cube.
 const THINNEST: f64 = 0.05;
-/// Mean over a wave's phase y, integrated over tau from 0, of cos(2 pi m Y), where Y = y + sum over k of exp(-tau k^2) sin(2 pi k y) / (pi k): how a terrace's
-/// m-th harmonic meets the grid that it comes from. To first order in its height the first is -1.
+/// Mean over a wave's phase y, integrated over tau from 0, of cos(2 pi m Y), where Y = y + sum over k of
+/// exp(-tau k^2) sin(2 pi k y) / (pi k): how a terrace's m-th harmonic meets the grid that it comes from. To
+/// first order in its height the first is -1.
 const HARMONICS: [f64; 4] = [-0.923, 0.592, -0.481, 0.422];
 
 impl Terraces {
-    /// Of a blurred mask of some spacing, seen by a delta; `lattice` is [`inverse_fourth_powers`] of the spacing.
+    /// Of a blurred mask of some spacing, seen by a delta; `lattice` is [`inverse_fourth_powers`] of the
+    /// spacing.
     pub(super) fn new(spacing: Spacing, lattice: f64, profile: &EdgeProfile, delta: &SmearedDelta) -> Self {
         Self {
             square_slope: square_slope(profile, lattice),
@@ -36,7 +41,8 @@ impl Terraces {
     }
 }
 
-/// `lattice` / (32 pi^4 sigma^4) of one blur: each wave's slope squared, over normals; `lattice` is [`inverse_fourth_powers`].
+/// `lattice` / (32 pi^4 sigma^4) of one blur: each wave's slope squared, over normals; `lattice` is
+/// [`inverse_fourth_powers`].
 fn square_slope(profile: &EdgeProfile, lattice: f64) -> f64 {
     let at_edge = profile.slope(0.0);
     let share = |&(weight, sigma): &(f64, f64)| weight / (sigma * libm::sqrt(2.0 * PI) * at_edge);
@@ -45,9 +51,10 @@ fn square_slope(profile: &EdgeProfile, lattice: f64) -> f64 {
     lattice * sum / (8.0 * PI.powi(4))
 }
 
-/// A delta that is sampled at the grid's frequency xi passes exp(2 pi i xi x), and the plane's wave of -xi has that phase locked to it: a share of 2 D(xi) over the solid
-/// angle 1 / (4 pi^2 sigma^2 xi^2) in which the wave is seen, with D the delta's spectrum across the edge. As the wave is as high as the delta is far from
-/// uniform, harmonics count, by [`HARMONICS`].
+/// A delta that is sampled at the grid's frequency xi passes exp(2 pi i xi x), and the plane's wave of -xi
+/// has that phase locked to it: a share of 2 D(xi) over the solid angle 1 / (4 pi^2 sigma^2 xi^2) in which
+/// the wave is seen, with D the delta's spectrum across the edge. As the wave is as high as the delta is far
+/// from uniform, harmonics count, by [`HARMONICS`].
 fn sampling_excess(spacing: Spacing, profile: &EdgeProfile, delta: &SmearedDelta) -> f64 {
     let sampled = SampledDelta::new(spacing, profile, delta);
     let mut excess = 0.0;
@@ -76,7 +83,8 @@ pub(super) struct SampledDelta<'a> {
 impl<'a> SampledDelta<'a> {
     pub(super) fn new(spacing: Spacing, profile: &'a EdgeProfile, delta: &'a SmearedDelta) -> Self {
         let half = profile.distance_of(delta.half_width().min(profile.value(6.0 * profile.sigma())));
-        // What thinner bands miss or hit is chance, which is flagged (`thickness-below-spacing`); and frequencies without end would take as long to sum.
+        // What thinner bands miss or hit is chance, which is flagged (`thickness-below-spacing`); and
+        // frequencies without end would take as long to sum.
         let highest = HIGHEST / (2.0 * half).max(spacing.smallest()).max(THINNEST * spacing.largest());
         Self { spacing, profile, delta, half, highest }
     }
@@ -105,7 +113,8 @@ impl<'a> SampledDelta<'a> {
         (1..).map(move |m| f64::from(m) * frequency).take_while(move |&harmonic| harmonic <= highest)
     }
 
-    /// D: the delta across the edge at a frequency, and with it `lean` times the same of the distance from the edge.
+    /// D: the delta across the edge at a frequency, and with it `lean` times the same of the distance from
+    /// the edge.
     pub(super) fn spectrum(&self, frequency: f64, lean: f64) -> f64 {
         const STEPS: i32 = 32;
         let step = self.half / f64::from(STEPS);
@@ -128,7 +137,8 @@ fn is_primitive(index: [i64; 3]) -> bool {
     divisor(divisor(index[0], index[1]), index[2]) == 1
 }
 
-/// The sum over the reciprocal lattice, the origin left out, of 1 / xi^4, mm^4; what lies beyond the summed box is integrated.
+/// The sum over the reciprocal lattice, the origin left out, of 1 / xi^4, mm^4; what lies beyond the summed
+/// box is integrated.
 pub(super) fn inverse_fourth_powers(spacing: Spacing) -> f64 {
     const REACH: i32 = 12;
     let h = spacing.mm();

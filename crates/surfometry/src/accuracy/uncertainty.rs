@@ -25,24 +25,29 @@ pub struct IntegralErrors {
     pub total_squared_mean_curvature: f64,
 }
 
-/// What is left after compensation, in units of sigma^4 times the integral of the third, fourth and fifth power of the larger principal curvature for V, A
-/// and M. On balls of R = 5 sigma it is 0.117, 0.29 and 0.34 of that (closed form); somewhat more here, as calibrated on the zoo (docs/accuracy.md).
+/// What is left after compensation, in units of sigma^4 times the integral of the third, fourth and fifth
+/// power of the larger principal curvature for V, A and M. On balls of R = 5 sigma it is 0.117, 0.29 and 0.34
+/// of that (closed form); somewhat more here, as calibrated on the zoo (docs/accuracy.md).
 const REMAINDER: [f64; 3] = [0.16, 0.38, 0.40];
-/// The same of A at edges, where the surface turns within a few sigma, in units of sigma^6 times the integral of the sixth power.
+/// The same of A at edges, where the surface turns within a few sigma, in units of sigma^6 times the integral
+/// of the sixth power.
 const EDGES: f64 = 3.0;
 /// Noise of A and M in units of what V's, spread over a ball of radius R, would make of them.
 const AREA_NOISE: f64 = 1.0;
 const MEAN_NOISE: f64 = 1.0;
-/// What is left after terraces are taken off on the mean over directions: shares of A and M in units of the sum over the axes of (h / sigma)^4.
+/// What is left after terraces are taken off on the mean over directions: shares of A and M in units of the
+/// sum over the axes of (h / sigma)^4.
 const TERRACES: [f64; 2] = [0.0016, 0.0010];
 /// M that is nearly 0, as of minimal surfaces, counts as this share of A / R there.
 const LEAST_MEAN: f64 = 0.25;
-/// The change of M by compensation, which may cancel over a surface, counts as at least this share of sigma^2 A / R^3.
+/// The change of M by compensation, which may cancel over a surface, counts as at least this share of sigma^2
+/// A / R^3.
 const LEAST_CHANGE: f64 = 0.15;
 /// Noise of chi of a surface of one ball's total curvature, in units of (h / sigma)^2.
 const EULER_NOISE: f64 = 0.006;
 
-/// What errors follow from beside the integrals: the grid, the blur and the band, the same for all objects of an image.
+/// What errors follow from beside the integrals: the grid, the blur and the band, the same for all objects of
+/// an image.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ErrorModel {
     spacing: Spacing,
@@ -69,16 +74,19 @@ impl ErrorModel {
         Self { occupancies: Some(OccupancyNoise::new(self.spacing, profile, delta)), ..self }
     }
 
-    /// What the blur leaves of the voxels' terraces, seen by a band's delta: for [`compensation_terms`](super::compensation_terms).
+    /// What the blur leaves of the voxels' terraces, seen by a band's delta: for
+    /// [`compensation_terms`](super::compensation_terms).
     pub fn terraces(&self, profile: &EdgeProfile, delta: &SmearedDelta) -> Terraces {
         Terraces::new(self.spacing, self.lattice, profile, delta)
     }
 
     /// Spread over sub-voxel shifts and rotations of what a smooth, curved object's voxels give.
     ///
-    /// The volume of the voxels has, over shifts, the variance of a sum of the indicator's Fourier coefficients over the reciprocal lattice, and those of a
-    /// body with a smooth curved surface fall as A / (8 pi^3 xi^4) on the mean over directions (Kendall 1948 for balls): on cubic voxels V has the standard
-    /// deviation 0.258 h^2 sqrt(A). A blur moves the surface, and with it this noise. The place of a flat face along the grid is known to h / sqrt 12 alone, as a whole.
+    /// The volume of the voxels has, over shifts, the variance of a sum of the indicator's Fourier
+    /// coefficients over the reciprocal lattice, and those of a body with a smooth curved surface fall as A /
+    /// (8 pi^3 xi^4) on the mean over directions (Kendall 1948 for balls): on cubic voxels V has the standard
+    /// deviation 0.258 h^2 sqrt(A). A blur moves the surface, and with it this noise. The place of a flat
+    /// face along the grid is known to h / sqrt 12 alone, as a whole.
     pub fn grid_noise(&self, integrals: &Integrals) -> IntegralErrors {
         let surface = &integrals.surface;
         let curvature = rms_curvature(surface);
@@ -126,13 +134,15 @@ impl ErrorModel {
         }
     }
 
-    /// Standard errors of compensated values: the grid's noise, and the bias that is left. It is at most what compensation changed: where the surface turns
-    /// within a sigma, as where slices are thick, powers of curvature only tell noise.
+    /// Standard errors of compensated values: the grid's noise, and the bias that is left. It is at most what
+    /// compensation changed: where the surface turns within a sigma, as where slices are thick, powers of
+    /// curvature only tell noise.
     pub fn compensated(&self, integrals: &Integrals) -> IntegralErrors {
         let noise = self.grid_noise(integrals);
         let surface = &integrals.surface;
         let curvature = rms_curvature(surface);
-        // The integrals of the third and fifth power, from those of the second and fourth: equal where curvature is the same everywhere.
+        // The integrals of the third and fifth power, from those of the second and fourth: equal where
+        // curvature is the same everywhere.
         let second = surface.area * curvature.powi(2);
         let third = (second * surface.larger_fourth).sqrt();
         let fifth = surface.larger_fourth * (surface.larger_fourth / second).sqrt();
@@ -169,14 +179,16 @@ fn of_average(surface: &SurfaceIntegrals, area: f64, mean: f64) -> f64 {
     libm::hypot(mean / surface.area, area * surface.total_mean_curvature / (surface.area * surface.area))
 }
 
-/// A face's area, from that of which the normal is an axis: the blur rounds a rim two sigma wide. A cap of a curved surface is small and has none to speak of.
+/// A face's area, from that of which the normal is an axis: the blur rounds a rim two sigma wide. A cap of a
+/// curved surface is small and has none to speak of.
 fn with_rim(area: f64, sigma: f64) -> f64 {
     let radius = (area / PI).sqrt();
     if radius > 0.0 { area * (1.0 + 2.0 * sigma / radius).min(2.0).powi(2) } else { 0.0 }
 }
 
-/// How far the sum over a band of the sine delta is off 1 on a flat face between voxels, where all faces along the grid lie: 4.7 % at a thickness of 2.5
-/// voxels, 0 at 3. In any other direction, offsets average out.
+/// How far the sum over a band of the sine delta is off 1 on a flat face between voxels, where all faces
+/// along the grid lie: 4.7 % at a thickness of 2.5 voxels, 0 at 3. In any other direction, offsets average
+/// out.
 fn face_excess(thickness: f64) -> f64 {
     let sample = |x: f64| (1.0 + libm::cos(2.0 * PI * x / thickness)) / thickness;
     let inside = (0..1000).map(|n| f64::from(n) + 0.5).take_while(|x| *x < 0.5 * thickness);

@@ -16,7 +16,8 @@ pub struct Matching<'a> {
 }
 
 impl<'a> Matching<'a> {
-    /// Matches by input, label and component; where no input is in both tables, by the inputs' file names without their folders.
+    /// Matches by input, label and component; where no input is in both tables, by the inputs' file names
+    /// without their folders.
     ///
     /// # Errors
     /// [`TableError::Twice`], [`TableError::NoMatch`].

@@ -102,7 +102,8 @@ pub struct Comparison {
 
 /// Compares a method's table with the standard's.
 ///
-/// `names` are those of method and standard; without `columns`, V, A, M, M / A and chi are compared, as far as both tables have them.
+/// `names` are those of method and standard; without `columns`, V, A, M, M / A and chi are compared, as far
+/// as both tables have them.
 ///
 /// # Errors
 /// [`TableError`].

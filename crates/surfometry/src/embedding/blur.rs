@@ -8,12 +8,13 @@ use fearless_simd::{Level, dispatch, f32x16, prelude::*};
 /// Voxels that are computed together.
 const LANES: usize = 16;
 
-/// G_sigma * I in three passes: along x from the ends of the rows' runs of ones, what is in a row beside them, and along y and z, by pairs of voxels at equal distance.
+/// G_sigma * I in three passes: along x from the ends of the rows' runs of ones, what is in a row beside
+/// them, and along y and z, by pairs of voxels at equal distance.
 ///
-/// A row whose neighbourhood is all outside or all inside is 0 or 1 without being convolved. It would come out as exactly
-/// that, because the taps add up to 1 in the order in which they are added: so a voxel's value does not depend on the box that was
-/// asked for, and 0 and 1 are exact far from the surface. Multiplications are fused with additions, or come out as if they were:
-/// all machines give the same bits.
+/// A row whose neighbourhood is all outside or all inside is 0 or 1 without being convolved. It would come
+/// out as exactly that, because the taps add up to 1 in the order in which they are added: so a voxel's value
+/// does not depend on the box that was asked for, and 0 and 1 are exact far from the surface. Multiplications
+/// are fused with additions, or come out as if they were: all machines give the same bits.
 #[derive(Debug)]
 pub(crate) struct Blur {
     x: RowKernel,
@@ -117,7 +118,8 @@ impl Blur {
         let mut made = 0;
         for first in (0..nz).step_by(BATCH) {
             let count = BATCH.min(nz - first);
-            // Slice number n of the halo and the box lies in the ring at n modulo its length, beside those of the same row.
+            // Slice number n of the halo and the box lies in the ring at n modulo its length, beside those of
+            // the same row.
             for number in made..first + count + halo {
                 let radii = [0, self.y.len() as i64 - 1, self.z.len() as i64 - 1 - number as i64];
                 let first = std::array::from_fn(|a| region.lower[a] - radii[a]);
@@ -168,8 +170,8 @@ impl Rows {
     }
 }
 
-/// Taps from the centre outward, in f32, that add up to exactly 1 as [`convolve`] adds them, the centre's last: it is what the others
-/// leave of 1, which the last sum rounds to 1 whatever was rounded before.
+/// Taps from the centre outward, in f32, that add up to exactly 1 as [`convolve`] adds them, the centre's
+/// last: it is what the others leave of 1, which the last sum rounds to 1 whatever was rounded before.
 fn half_taps(kernel: &GaussianKernel) -> Vec<f32> {
     let mut taps: Vec<f32> = kernel.taps()[kernel.radius()..].iter().map(|&tap| tap as f32).collect();
     taps[0] = 1.0 - taps[1..].iter().rev().fold(0.0, |sum, tap| sum + tap * 2.0);
@@ -187,7 +189,8 @@ fn common_kinds<'a>(out: &mut [Kind], neighbours: impl Iterator<Item = &'a [Kind
     }
 }
 
-/// What a row is the sum of: taps times the rows that begin at `starts`, from the farthest before to the farthest behind.
+/// What a row is the sum of: taps times the rows that begin at `starts`, from the farthest before to the
+/// farthest behind.
 #[derive(Clone, Copy)]
 struct Terms<'a> {
     /// From the centre outward.
@@ -243,8 +246,8 @@ fn convolve<S: Simd>(simd: S, terms: Terms<'_>, kinds: [Kind; 2], [first, second
     terms.fill(kinds[1], second);
     let mut from = 0;
     while from < length {
-        // Several groups at once, because each waits for its own sum. (No closures here: they would not be compiled for the
-        // vectors.)
+        // Several groups at once, because each waits for its own sum. (No closures here: they would not be
+        // compiled for the vectors.)
         let left = (length - from).div_ceil(LANES);
         let groups = if both && <S::f32s as SimdBase<S>>::LEN < LANES {
             // Half as many registers of half the width: two rows of one group fill them.
@@ -312,8 +315,8 @@ fn convolve_pair<const N: usize, S: Simd>(
 ) {
     let radius = terms.taps.len() - 1;
     let mut sums = [[f32x16::splat(simd, 0.0); N]; 2];
-    // Before the first row at a distance, which is one nearer than before the second; behind the second, one farther than
-    // behind the first.
+    // Before the first row at a distance, which is one nearer than before the second; behind the second, one
+    // farther than behind the first.
     let (mut before, mut behind) = ([f32x16::splat(simd, 0.0); N], [f32x16::splat(simd, 0.0); N]);
     let (farthest, behind_all) = (terms.piece::<N>(0, from), terms.piece::<N>(2 * radius + 1, from));
     for group in 0..N {
@@ -348,8 +351,8 @@ fn lanes<S: Simd>(simd: S, values: &[f32], group: usize) -> f32x16<S> {
 #[derive(Debug)]
 struct RowKernel {
     step: StepResponse,
-    /// From the centre outward, for amounts that are no runs of ones; and where in a row of them a voxel's neighbours begin, from the farthest
-    /// before on.
+    /// From the centre outward, for amounts that are no runs of ones; and where in a row of them a voxel's
+    /// neighbours begin, from the farthest before on.
     taps: Vec<f32>,
     starts: Vec<usize>,
 }
@@ -406,7 +409,8 @@ impl RowKernel {
 #[derive(Debug)]
 struct StepResponse {
     radius: i64,
-    /// Zeros, a group of lanes; then the values at the voxels from the radius before the run's first voxel on; then ones.
+    /// Zeros, a group of lanes; then the values at the voxels from the radius before the run's first voxel
+    /// on; then ones.
     rise: Vec<f32>,
 }
 
@@ -422,8 +426,9 @@ impl StepResponse {
         Self { radius: kernel.radius() as i64, rise }
     }
 
-    /// A row as the convolution of the runs that start and end at `edges`, in turn; the row begins at `x0`. They ascend:
-    /// then those that ended out of reach leave exactly 0, and a value does not depend on where the row starts.
+    /// A row as the convolution of the runs that start and end at `edges`, in turn; the row begins at `x0`.
+    /// They ascend: then those that ended out of reach leave exactly 0, and a value does not depend on where
+    /// the row starts.
     #[inline(always)]
     fn convolve<S: Simd>(&self, simd: S, edges: &[i64], x0: i64, row: &mut [f32]) {
         let last = (self.rise.len() - LANES) as i64;

@@ -6,7 +6,8 @@ use crate::volume::{Grid, Mask};
 
 /// A mask and, at some of its voxels, how far the indicator is off the bit there.
 ///
-/// So little is held of an image that is 0 or 1 at most voxels: its bits, and sixteen bytes more for each of the others.
+/// So little is held of an image that is 0 or 1 at most voxels: its bits, and sixteen bytes more for each of
+/// the others.
 #[derive(Debug, Clone)]
 pub struct CorrectedMask {
     mask: Mask,

@@ -7,13 +7,13 @@ use crate::volume::Mask;
 /// Voxels that differences reach: two beyond a band voxel, three for the polynomial around a vertex.
 const STENCIL_REACH: f64 = 3.0;
 
-/// Signed Euclidean distance from each voxel centre to the nearest voxel *face* between object and background,
-/// in mm, negative inside.
+/// Signed Euclidean distance from each voxel centre to the nearest voxel *face* between object and
+/// background, in mm, negative inside.
 ///
 /// Distances to faces, not to voxel centres, place the surface where the mask's is (a difference of two
 /// centre-to-centre transforms jumps from -h to +h and loses most of the area). The values are quantised, so
-/// curvature from this field is noise and its Euler characteristic meaningless: that is the paper's point, and the
-/// reason to use [`super::GaussianEmbedding`] instead.
+/// curvature from this field is noise and its Euler characteristic meaningless: that is the paper's point,
+/// and the reason to use [`super::GaussianEmbedding`] instead.
 ///
 /// [`DistanceEmbedding::to_boundary_voxels`] is the other form that is in use.
 #[derive(Debug)]
@@ -36,8 +36,9 @@ impl<'a> DistanceEmbedding<'a> {
         Self { mask, spacing: mask.grid().spacing().mm(), zero: Zero::Faces }
     }
 
-    /// The distance between voxel centres, 0 on the object's voxels that touch the background (26 neighbours), as ITK's `SignedMaurerDistanceMapImageFilter` has it by
-    /// default: its surface lies half a voxel inside the mask's.
+    /// The distance between voxel centres, 0 on the object's voxels that touch the background (26
+    /// neighbours), as ITK's `SignedMaurerDistanceMapImageFilter` has it by default: its surface lies half a
+    /// voxel inside the mask's.
     pub fn to_boundary_voxels(mask: &'a Mask) -> Self {
         Self { zero: Zero::BoundaryVoxels, ..Self::new(mask) }
     }
@@ -111,8 +112,9 @@ impl Embedding for DistanceEmbedding<'_> {
 /// From a voxel's centre to its face, in voxels.
 const HALF_VOXEL: f64 = 0.5;
 
-/// Squared distance in mm^2 from every voxel centre of a box to the nearest voxel that is one `of` some inside that box, as far as `gap` voxels from its centre along each axis (its cube
-/// with 1/2, its centre with 0); 0 in those, infinite where the box holds none.
+/// Squared distance in mm^2 from every voxel centre of a box to the nearest voxel that is one `of` some
+/// inside that box, as far as `gap` voxels from its centre along each axis (its cube with 1/2, its centre
+/// with 0); 0 in those, infinite where the box holds none.
 ///
 /// The squared distance to a cube is a sum over axes of max(|n| - gap, 0)^2 h^2, so one pass along each axis
 /// does it.

@@ -2,7 +2,8 @@
 
 use std::f64::consts::{PI, SQRT_2};
 
-/// Combinations of blurs that an embedding is made of, seen on a flat edge: phi as a function of the distance from it, at level 0.5.
+/// Combinations of blurs that an embedding is made of, seen on a flat edge: phi as a function of the distance
+/// from it, at level 0.5.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct EdgeProfile {
     sigma: f64,
@@ -16,8 +17,8 @@ impl EdgeProfile {
         Self { sigma, terms: [(1.0, sigma); 2], count: 1 }
     }
 
-    /// Of the corrected embedding, (sqrt 2 phi_sigma - phi_(sqrt 2 sigma)) / (sqrt 2 - 1). It is 1.7 times as steep, reaches 1/2 at 0.89 sigma, overshoots it by up
-    /// to 25 % at 1.67 sigma, and comes back.
+    /// Of the corrected embedding, (sqrt 2 phi_sigma - phi_(sqrt 2 sigma)) / (sqrt 2 - 1). It is 1.7 times as
+    /// steep, reaches 1/2 at 0.89 sigma, overshoots it by up to 25 % at 1.67 sigma, and comes back.
     pub fn corrected(sigma: f64) -> Self {
         let wide = 1.0 / (SQRT_2 - 1.0);
         Self { sigma, terms: [(SQRT_2 * wide, sigma), (-wide, SQRT_2 * sigma)], count: 2 }

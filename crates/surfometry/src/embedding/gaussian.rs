@@ -7,8 +7,8 @@ use super::{EdgeProfile, Embedding, Indicator};
 use crate::tiling::{Block, IndexBox, Pool};
 use std::sync::OnceLock;
 
-/// phi = T - G_sigma * I, with I the indicator of the object (Besler et al., the "proposed embedding"), or a combination of two such blurs
-/// ([`GaussianEmbedding::corrected`]).
+/// phi = T - G_sigma * I, with I the indicator of the object (Besler et al., the "proposed embedding"), or a
+/// combination of two such blurs ([`GaussianEmbedding::corrected`]).
 ///
 /// Beyond the object's bounding box I is 0 without limit, so an image border changes nothing. Valid where the
 /// object and its gaps are wider than about 3 sigma; thinner parts shrink or vanish.
@@ -40,12 +40,14 @@ impl<'a> GaussianEmbedding<'a> {
         Self::of_profile(indicator, &EdgeProfile::blurred(sigma), level, truncation)
     }
 
-    /// The embedding without the leading shift of its zero level, at level 0.5: phi - sigma d phi / d sigma, which is
-    /// phi - sigma^2 Laplacian(phi), as a difference of two blurs, (sqrt 2 phi_sigma - phi_(sqrt 2 sigma)) / (sqrt 2 - 1).
+    /// The embedding without the leading shift of its zero level, at level 0.5: phi - sigma d phi / d sigma,
+    /// which is phi - sigma^2 Laplacian(phi), as a difference of two blurs, (sqrt 2 phi_sigma - phi_(sqrt 2
+    /// sigma)) / (sqrt 2 - 1).
     ///
-    /// At a curved surface the blurred indicator is off 1/2 by a series in odd powers of sigma, whose first term this cancels. So the zero level
-    /// stands where the object's surface was, up to sigma^4 (on a ball up to exp(-2 R^2 / sigma^2)), and curvature there is the object's.
-    /// Noise is 2.6 times that of the plain blur of the same sigma, wherefore sigma should be larger.
+    /// At a curved surface the blurred indicator is off 1/2 by a series in odd powers of sigma, whose first
+    /// term this cancels. So the zero level stands where the object's surface was, up to sigma^4 (on a ball
+    /// up to exp(-2 R^2 / sigma^2)), and curvature there is the object's. Noise is 2.6 times that of the
+    /// plain blur of the same sigma, wherefore sigma should be larger.
     pub fn corrected(indicator: &'a dyn Indicator, sigma: f64, truncation: f64) -> Self {
         Self::of_profile(indicator, &EdgeProfile::corrected(sigma), 0.5, truncation)
     }
@@ -193,9 +195,10 @@ mod tests {
     use super::*;
     use crate::volume::{Grid, Mask};
 
-    /// A half space is blurred to an error function along every axis, anisotropic or not. Its face lies half-way
-    /// between voxel centres, where a sum of samples is the midpoint rule: its known error, h^2/24 times the slope of
-    /// the Gaussian, is taken off, and the next term of Euler and Maclaurin bounds what is left.
+    /// A half space is blurred to an error function along every axis, anisotropic or not. Its face lies
+    /// half-way between voxel centres, where a sum of samples is the midpoint rule: its known error, h^2/24
+    /// times the slope of the Gaussian, is taken off, and the next term of Euler and Maclaurin bounds what is
+    /// left.
     #[test]
     fn a_plane_becomes_an_error_function() {
         let (sigma, n) = (2.0f64, 60usize);

@@ -4,10 +4,12 @@ use crate::tiling::IndexBox;
 use crate::volume::{Grid, Mask};
 use std::fmt::Debug;
 
-/// An object as a number at every voxel of a grid: 1 inside, 0 outside, and near the surface, where more is known than that, whatever is known.
+/// An object as a number at every voxel of a grid: 1 inside, 0 outside, and near the surface, where more is
+/// known than that, whatever is known.
 ///
-/// It is all that a blur needs to know: [`GaussianEmbedding`](super::GaussianEmbedding), its derivatives, its mesh and its band work on any
-/// indicator. A row is told as runs of ones, which a blur takes by their ends, and other amounts, which it takes one by one.
+/// It is all that a blur needs to know: [`GaussianEmbedding`](super::GaussianEmbedding), its derivatives, its
+/// mesh and its band work on any indicator. A row is told as runs of ones, which a blur takes by their ends,
+/// and other amounts, which it takes one by one.
 ///
 /// ```
 /// use surfometry::embedding::{Embedding, GaussianEmbedding, Indicator, Row, TRUNCATION};
@@ -59,7 +61,8 @@ pub trait Indicator: Debug + Sync {
     /// A box outside which it is 0.
     fn bounds(&self) -> IndexBox;
 
-    /// `Some` where it is known to be 0, or 1, at every voxel of a box, so that nothing there needs to be computed.
+    /// `Some` where it is known to be 0, or 1, at every voxel of a box, so that nothing there needs to be
+    /// computed.
     fn uniform_in(&self, region: &IndexBox) -> Option<bool>;
 
     /// Adds what the row at y, z holds within its [span](Row::span). Any row may be asked for.
@@ -82,7 +85,8 @@ impl Row {
         self.span
     }
 
-    /// Adds ones from `start` up to, not including, `end`, as far as they lie in the span. Runs come in ascending order.
+    /// Adds ones from `start` up to, not including, `end`, as far as they lie in the span. Runs come in
+    /// ascending order.
     pub fn add_run(&mut self, start: i64, end: i64) {
         let (start, end) = (start.max(self.span.0), end.min(self.span.1));
         if start < end {

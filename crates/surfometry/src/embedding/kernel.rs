@@ -2,21 +2,22 @@
 
 /// Kernels end at this many standard deviations.
 ///
-/// Cut at 4 the area is off by 1e-4 and M by 1e-3, at 5 by 5e-7 and 1e-5; at blurs of 10 voxels and more, where the
-/// cut is not rounded up, M by 4e-5 and chi by 2e-4 (`tests/truncation.rs`).
+/// Cut at 4 the area is off by 1e-4 and M by 1e-3, at 5 by 5e-7 and 1e-5; at blurs of 10 voxels and more,
+/// where the cut is not rounded up, M by 4e-5 and chi by 2e-4 (`tests/truncation.rs`).
 pub const TRUNCATION: f64 = 5.0;
 
-/// The same for a blur alone, the derivatives of which are differences: a cut at 4 sigma changes V by 8e-6, A by 5e-6 and M by 1e-6 then
-/// (`tests/truncation.rs`), because what it loses is smooth.
+/// The same for a blur alone, the derivatives of which are differences: a cut at 4 sigma changes V by 8e-6, A
+/// by 5e-6 and M by 1e-6 then (`tests/truncation.rs`), because what it loses is smooth.
 pub const TRUNCATION_OF_BLUR: f64 = 4.0;
 
 /// Taps of a sampled Gaussian (order 0) or its first or second derivative, in units of 1/length^order.
 ///
-/// Taps are sampled, not integrated over voxels, then normalised so that, before the cut, a constant (order 0), a ramp
-/// (order 1) and a parabola (order 2) are reproduced exactly at any ratio of sigma to spacing; a cut kernel still
-/// takes a constant to exactly 1 or 0. (Normalising the *cut* kernel would scale second derivatives up by its missing
-/// fourth moment, 2e-4 at 5 sigma, which costs M and chi twice as much as the missing tails do.) Below sigma = 0.8
-/// voxels the samples no longer represent a Gaussian: the flag `sigma-below-spacing` warns from 1 voxel down.
+/// Taps are sampled, not integrated over voxels, then normalised so that, before the cut, a constant (order
+/// 0), a ramp (order 1) and a parabola (order 2) are reproduced exactly at any ratio of sigma to spacing; a
+/// cut kernel still takes a constant to exactly 1 or 0. (Normalising the *cut* kernel would scale second
+/// derivatives up by its missing fourth moment, 2e-4 at 5 sigma, which costs M and chi twice as much as the
+/// missing tails do.) Below sigma = 0.8 voxels the samples no longer represent a Gaussian: the flag
+/// `sigma-below-spacing` warns from 1 voxel down.
 #[derive(Debug, Clone, PartialEq)]
 pub struct GaussianKernel {
     taps: Vec<f64>,
@@ -26,7 +27,8 @@ pub struct GaussianKernel {
 pub(super) const WHOLE: f64 = 9.0;
 
 impl GaussianKernel {
-    /// The kernel of a derivative order (0, 1 or 2) for sigma and spacing in the same unit, cut at `truncation` sigma.
+    /// The kernel of a derivative order (0, 1 or 2) for sigma and spacing in the same unit, cut at
+    /// `truncation` sigma.
     ///
     /// # Panics
     /// For a higher order.
@@ -52,8 +54,8 @@ impl GaussianKernel {
         Self { taps: if order == 1 { vec![slope, 0.0, -slope] } else { vec![bend, -2.0 * bend, bend] } }
     }
 
-    /// Taps on each side of the centre. A hair is taken off before rounding up, so that a spacing that went through
-    /// f32 has as many taps as the same spacing that did not.
+    /// Taps on each side of the centre. A hair is taken off before rounding up, so that a spacing that went
+    /// through f32 has as many taps as the same spacing that did not.
     pub fn radius_for(sigma: f64, spacing: f64, truncation: f64) -> i64 {
         (truncation * sigma / spacing - 1e-3).ceil().max(1.0) as i64
     }
@@ -147,7 +149,8 @@ impl CumulativeKernel {
         self.radius
     }
 
-    /// Adds to `row`, whose first voxel is `x0`, the convolution of a run [a, b) of voxels with the same value.
+    /// Adds to `row`, whose first voxel is `x0`, the convolution of a run [a, b) of voxels with the same
+    /// value.
     pub(crate) fn add_run(&self, row: &mut [f64], x0: i64, (a, b): (i64, i64), value: f64) {
         let end = x0 + row.len() as i64;
         let last = self.sums.len() as i64 - 1;

@@ -26,8 +26,9 @@ use crate::tiling::{Block, IndexBox};
 
 /// A field that can be had on any box of voxels.
 ///
-/// Those of this crate serve on their own, with the derivatives of [`local_geometry`](crate::local_geometry) and the mesh of
-/// [`surface`](crate::surface); one's own is an implementation away ([`Differentiation`](crate::local_geometry::Differentiation) shows one).
+/// Those of this crate serve on their own, with the derivatives of [`local_geometry`](crate::local_geometry)
+/// and the mesh of [`surface`](crate::surface); one's own is an implementation away
+/// ([`Differentiation`](crate::local_geometry::Differentiation) shows one).
 ///
 /// ```
 /// use surfometry::embedding::{Embedding, GaussianEmbedding, TRUNCATION};
@@ -73,7 +74,8 @@ pub trait Embedding: Sync {
         *region
     }
 
-    /// The field on a box, in memory that was used before; `half_width` is the largest |phi| that needs to be exact.
+    /// The field on a box, in memory that was used before; `half_width` is the largest |phi| that needs to be
+    /// exact.
     fn evaluate_in(
         &self,
         storage: Vec<Self::Value>,
@@ -86,7 +88,7 @@ pub trait Embedding: Sync {
         self.evaluate_in(Vec::new(), region, half_width)
     }
 
-    /// `Some(phi)` where the field is constant on a box, or beyond `half_width` and of one sign, known without
-    /// evaluating it.
+    /// `Some(phi)` where the field is constant on a box, or beyond `half_width` and of one sign, known
+    /// without evaluating it.
     fn constant_on(&self, region: &IndexBox, half_width: f64) -> Option<f64>;
 }

@@ -39,7 +39,8 @@ impl AxisBell {
         Self { spacing, sigma, bell, variance: whole.moment(2), bend: whole.bend() }
     }
 
-    /// Normalised as the kernels of the grid are ([`GaussianKernel`](super::GaussianKernel)), and equal to them at a voxel.
+    /// Normalised as the kernels of the grid are ([`GaussianKernel`](super::GaussianKernel)), and equal to
+    /// them at a voxel.
     fn taps_at(&self, position: f64, AxisTaps { first, orders, bell: taps }: &mut AxisTaps) {
         let centre = position.round();
         let offset = position - centre;

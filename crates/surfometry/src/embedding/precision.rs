@@ -4,8 +4,8 @@ use std::ops::Neg;
 
 /// A floating-point number of a field.
 pub trait Precision: Copy + PartialOrd + Neg<Output = Self> + Into<f64> + Send {
-    /// The largest that is not above `bound`: a value of the field is at most the one just where it is at most the other. So that a field is
-    /// compared without being converted, many values at once.
+    /// The largest that is not above `bound`: a value of the field is at most the one just where it is at
+    /// most the other. So that a field is compared without being converted, many values at once.
     fn at_most(bound: f64) -> Self;
 }
 

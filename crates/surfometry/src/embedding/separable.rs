@@ -23,8 +23,8 @@ struct XyStack {
 }
 
 impl Separable {
-    /// Kernels in units of sigma, so that f32 holds them whatever the unit of length: an n-th derivative comes out
-    /// multiplied by sigma^n.
+    /// Kernels in units of sigma, so that f32 holds them whatever the unit of length: an n-th derivative
+    /// comes out multiplied by sigma^n.
     pub(crate) fn new(sigma: f64, spacing: [f64; 3], truncation: f64) -> Self {
         let kernel = |axis: usize, order| GaussianKernel::new(1.0, spacing[axis] / sigma, order, truncation);
         let taps = |axis: usize| {
@@ -37,8 +37,8 @@ impl Separable {
         }
     }
 
-    /// Convolves an indicator on a box with the kernels of each of `orders`; `visit` gets each slice z in turn with one
-    /// plane of values (x fastest) for each of the orders.
+    /// Convolves an indicator on a box with the kernels of each of `orders`; `visit` gets each slice z in
+    /// turn with one plane of values (x fastest) for each of the orders.
     pub(crate) fn for_each_slice(
         &self,
         indicator: &dyn Indicator,

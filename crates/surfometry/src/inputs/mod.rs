@@ -1,4 +1,5 @@
-//! Everything that can be measured, behind one door: [`open`] makes a [`Source`] of whatever a name stands for.
+//! Everything that can be measured, behind one door: [`open`] makes a [`Source`] of whatever a name stands
+//! for.
 //!
 //! A new kind of input is a file here and an arm of [`Kind`]: nobody else asks what an input is.
 
@@ -18,7 +19,8 @@ use crate::volume::{Grid, SlabReader};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-/// Something that can be measured: its lattice, its voxels as often as they are wanted, and what is known of it beside.
+/// Something that can be measured: its lattice, its voxels as often as they are wanted, and what is known of
+/// it beside.
 ///
 /// ```
 /// use surfometry::inputs::{OpenOptions, open};

@@ -32,8 +32,8 @@ fn input_stem(input: &str) -> String {
     split(&name).0.to_owned()
 }
 
-/// For each input what tells its files from the others': nothing where it is the only one, its stem, or, where stems are
-/// alike, its folders as well, and a number where it is named twice.
+/// For each input what tells its files from the others': nothing where it is the only one, its stem, or,
+/// where stems are alike, its folders as well, and a number where it is named twice.
 pub fn distinct_parts(inputs: &[String]) -> Vec<Option<String>> {
     if inputs.len() == 1 {
         return vec![None];

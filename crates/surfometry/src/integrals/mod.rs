@@ -18,8 +18,8 @@ use std::time::Duration;
 
 /// The part of an object's integrals that lies in some boxes, each of which is one tile or a part of one.
 ///
-/// Parts of disjoint lists of whole tiles merge into the same bits however the tiles were dealt out: over threads,
-/// slabs or machines.
+/// Parts of disjoint lists of whole tiles merge into the same bits however the tiles were dealt out: over
+/// threads, slabs or machines.
 pub fn integrate_boxes<D: Differentiation + ?Sized>(
     scheme: &D,
     boxes: &[IndexBox],
@@ -40,7 +40,8 @@ pub struct Integrals {
     pub volume: f64,
     /// Integrals over the surface.
     pub surface: SurfaceIntegrals,
-    /// Area whose normal lies within a degree of the grid's x, y and z axis, mm^2: flat faces along the voxels, as where an image cuts an object.
+    /// Area whose normal lies within a degree of the grid's x, y and z axis, mm^2: flat faces along the
+    /// voxels, as where an image cuts an object.
     pub faces: [f64; 3],
     /// Voxels with phi < 0.
     pub inside_voxels: u64,

@@ -82,7 +82,8 @@ surface_integrals! {
     total_squared_mean_curvature = |c| c.mean_curvature * c.mean_curvature;
     /// Integral of H K, 1/mm: how total mean curvature changes along the normal.
     mean_times_gaussian = |c| c.mean_curvature * c.gaussian_curvature;
-    /// Integral of the square of the larger principal curvature: over the area, 1 / R^2 of the radius of curvature that a blur has to respect.
+    /// Integral of the square of the larger principal curvature: over the area, 1 / R^2 of the radius of
+    /// curvature that a blur has to respect.
     larger_squared = |c| c.larger() * c.larger();
     /// Integral of its fourth power, 1/mm^2: what the blur leaves after compensation goes with it.
     larger_fourth = |c| c.larger().powi(4);
@@ -92,8 +93,8 @@ surface_integrals! {
 
 /// A part of an object's integrals, in units of voxels, that can be merged with any other part in any order.
 ///
-/// A tile is summed in one fixed order in f64; tiles are then added exactly. So the result depends neither on the
-/// number of threads nor on how the tiles were dealt out.
+/// A tile is summed in one fixed order in f64; tiles are then added exactly. So the result depends neither on
+/// the number of threads nor on how the tiles were dealt out.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Partial {
     volume: ExactSum,
@@ -132,7 +133,8 @@ impl NarrowVoxels {
 }
 
 impl Partial {
-    /// The part of one tile, from its field. The time that summing takes, not differentiating, is added to `summing`.
+    /// The part of one tile, from its field. The time that summing takes, not differentiating, is added to
+    /// `summing`.
     pub fn of_tile<D: Differentiation + ?Sized>(
         scheme: &D,
         field: &TileField<D>,
@@ -273,7 +275,8 @@ impl BandSums {
                 let lanes = voxels.indices().skip(start).take(count).enumerate();
                 for (lane, index) in lanes.filter(|&(lane, _)| is_narrow(lane)) {
                     let share = gradients[lane] / band.slope_of_edge(columns[0][lane]);
-                    // Half-way through a part phi is least, half-way across a gap it is largest, whether or not either is still there.
+                    // Half-way through a part phi is least, half-way across a gap it is largest, whether or
+                    // not either is still there.
                     let laplacian = columns[4][lane] + columns[5][lane] + columns[6][lane];
                     self.narrow[usize::from(laplacian < 0.0)].add(index, share);
                 }

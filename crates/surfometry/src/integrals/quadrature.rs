@@ -6,12 +6,13 @@ use std::ops::Range;
 /// How a volume integral is summed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum QuadratureRule {
-    /// Every voxel counts its volume. On a band of compact support this is the trapezoid rule, which is spectrally
-    /// accurate there.
+    /// Every voxel counts its volume. On a band of compact support this is the trapezoid rule, which is
+    /// spectrally accurate there.
     #[default]
     Sum,
-    /// Simpson's rule along each axis (the paper). Its weights alternate by 4/3 and 2/3, which brings the error of
-    /// a grid of twice the spacing back in: about +0.8 % in area at t = 2.5 voxels. Kept to reproduce the paper.
+    /// Simpson's rule along each axis (the paper). Its weights alternate by 4/3 and 2/3, which brings the
+    /// error of a grid of twice the spacing back in: about +0.8 % in area at t = 2.5 voxels. Kept to
+    /// reproduce the paper.
     Simpson,
 }
 
@@ -29,8 +30,8 @@ pub struct Quadrature {
 }
 
 impl Quadrature {
-    /// A rule over unbounded space, anchored at image index 0 (even indices weigh 2/3 in Simpson's rule), so that
-    /// a result does not depend on how an object was cropped.
+    /// A rule over unbounded space, anchored at image index 0 (even indices weigh 2/3 in Simpson's rule), so
+    /// that a result does not depend on how an object was cropped.
     pub fn unbounded(rule: QuadratureRule) -> Self {
         Self { rule, ends: None }
     }

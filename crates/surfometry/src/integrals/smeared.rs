@@ -9,8 +9,8 @@ pub enum Smearing {
     /// (1 + cos(pi x / eps)) / (2 eps) on |x| <= eps (the paper).
     #[default]
     Sine,
-    /// sech^2(x / s) / (2 s) with s such that its second moment is the sine's, cut at 2 eps (or where the field
-    /// saturates, if that is nearer) and renormalised.
+    /// sech^2(x / s) / (2 s) with s such that its second moment is the sine's, cut at 2 eps (or where the
+    /// field saturates, if that is nearer) and renormalised.
     Tanh,
 }
 
@@ -32,10 +32,11 @@ pub struct SmearedDelta {
 }
 
 impl SmearedDelta {
-    /// A delta of half-width `epsilon` for a field that saturates at |phi| = `saturation` (infinite if it does not).
+    /// A delta of half-width `epsilon` for a field that saturates at |phi| = `saturation` (infinite if it
+    /// does not).
     ///
-    /// The hyperbolic tangent has tails; on a field that saturates they would weigh all of space. They are cut
-    /// inside the saturation, and what is left is scaled to the integral 1.
+    /// The hyperbolic tangent has tails; on a field that saturates they would weigh all of space. They are
+    /// cut inside the saturation, and what is left is scaled to the integral 1.
     pub fn new(smearing: Smearing, epsilon: f64, saturation: f64) -> Self {
         let half_width = match smearing {
             Smearing::Sine => epsilon,
@@ -136,8 +137,8 @@ const fn series(mut n: f64) -> [f64; 11] {
 const COSINE: [f64; 11] = series(2.0);
 const SINE: [f64; 11] = series(3.0);
 
-/// Sine and cosine of pi x / 2 for |x| <= 1, from their series: without a branch, so that many are computed at once. The first
-/// term that is left out is below 1e-17.
+/// Sine and cosine of pi x / 2 for |x| <= 1, from their series: without a branch, so that many are computed
+/// at once. The first term that is left out is below 1e-17.
 #[inline(always)]
 fn sin_cos_half_pi(x: f64) -> (f64, f64) {
     let angle = 0.5 * PI * x;

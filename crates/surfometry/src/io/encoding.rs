@@ -13,8 +13,9 @@ use std::sync::atomic::AtomicU64;
 /// Reads ahead in pieces that keep system calls few.
 const BUFFER: usize = 1 << 18;
 
-/// Opens voxel data, positioned at the first voxel. `bytes` is how many the header promises: raw data are checked
-/// against the file's size before anything is read. `spent` adds up the nanoseconds that the file itself takes.
+/// Opens voxel data, positioned at the first voxel. `bytes` is how many the header promises: raw data are
+/// checked against the file's size before anything is read. `spent` adds up the nanoseconds that the file
+/// itself takes.
 pub(crate) fn open(
     data: &VoxelData,
     bytes: u64,

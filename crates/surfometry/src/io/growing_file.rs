@@ -5,8 +5,8 @@ use std::fs::{self, File};
 use std::io::{self, Seek, Write};
 use std::path::{Path, PathBuf};
 
-/// A file under a name of its own, `NAME.partial`, until it is finished. Where a run is killed, what it has written so far
-/// is there.
+/// A file under a name of its own, `NAME.partial`, until it is finished. Where a run is killed, what it has
+/// written so far is there.
 #[derive(Debug)]
 pub struct GrowingFile {
     file: File,
@@ -17,8 +17,8 @@ pub struct GrowingFile {
 }
 
 impl GrowingFile {
-    /// Begins a file, in the place of an earlier unfinished one. A link is followed; the file of that name stays as it is
-    /// until this one is finished.
+    /// Begins a file, in the place of an earlier unfinished one. A link is followed; the file of that name
+    /// stays as it is until this one is finished.
     ///
     /// # Errors
     /// Whatever the file system says; a target that is a folder, or cannot be written.
@@ -50,8 +50,8 @@ impl GrowingFile {
         fs::rename(&self.partial, &self.target)
     }
 
-    /// Writes bytes, and behind them an end that the next ones will replace: by one call to the system, so that a run that
-    /// is killed leaves either both or neither.
+    /// Writes bytes, and behind them an end that the next ones will replace: by one call to the system, so
+    /// that a run that is killed leaves either both or neither.
     fn write_secured(&mut self, bytes: &[u8], end: &[u8]) -> io::Result<()> {
         if (bytes.len() + end.len()) < self.end as usize {
             self.drop_end()?;
@@ -105,7 +105,8 @@ impl ResultOutput {
         GrowingFile::create(path).map(Self::File)
     }
 
-    /// Writes bytes, and behind them, where they can be replaced, an end that makes whole what was written so far.
+    /// Writes bytes, and behind them, where they can be replaced, an end that makes whole what was written so
+    /// far.
     ///
     /// # Errors
     /// Whatever keeps them from being written.
@@ -124,6 +125,17 @@ impl ResultOutput {
         match self {
             Self::File(file) => file.finish(),
             Self::Stream(mut stream) => stream.flush(),
+        }
+    }
+
+    /// Takes away what was written to a file so far; what a stream was given is gone.
+    ///
+    /// # Errors
+    /// Whatever keeps it from being taken away.
+    pub(super) fn discard(self) -> io::Result<()> {
+        match self {
+            Self::File(file) => fs::remove_file(&file.partial),
+            Self::Stream(_) => Ok(()),
         }
     }
 

@@ -113,8 +113,8 @@ pub(crate) struct VoxelData {
     pub(crate) scaling: Option<(f64, f64)>,
 }
 
-/// A file as it was opened for its header, if it was: the first reading of its voxels goes on with it, so that it is opened
-/// once, and header and voxels are the same file's whatever the name stands for by then.
+/// A file as it was opened for its header, if it was: the first reading of its voxels goes on with it, so
+/// that it is opened once, and header and voxels are the same file's whatever the name stands for by then.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct OpenedFile(Arc<Mutex<Option<File>>>);
 
@@ -196,7 +196,8 @@ impl ImageHeader {
         self.dimensions.iter().map(|&n| n as u64).product::<u64>() * self.scalar.bytes() as u64
     }
 
-    /// Bytes of the data file behind the last voxel of raw data; none where the voxels are said to end the file, or cannot be found.
+    /// Bytes of the data file behind the last voxel of raw data; none where the voxels are said to end the
+    /// file, or cannot be found.
     pub(crate) fn raw_surplus(&self) -> u64 {
         let size = self.data.path.metadata().map_or(0, |metadata| metadata.len());
         match (self.data.encoding, self.data.offset) {
@@ -233,7 +234,8 @@ pub(crate) fn refuse_several<'a>(
     }
 }
 
-/// Opens a file, and says how many bytes it has. A pipe, a device or a folder is refused before it is touched: opening a pipe waits for who writes to it.
+/// Opens a file, and says how many bytes it has. A pipe, a device or a folder is refused before it is
+/// touched: opening a pipe waits for who writes to it.
 pub(crate) fn open_file(path: &Path) -> Result<(File, u64), ReadError> {
     let failed = |e| ReadError::io(path, e);
     let metadata = path.metadata().map_err(failed)?;

@@ -43,8 +43,8 @@ impl Member for BzDecoder<Stored> {
     }
 }
 
-/// All streams of a file as one. What follows a whole stream and does not begin as another does is padding, as it is to the tools of both formats;
-/// the crates' own decoders of several streams take it for damage.
+/// All streams of a file as one. What follows a whole stream and does not begin as another does is padding,
+/// as it is to the tools of both formats; the crates' own decoders of several streams take it for damage.
 pub(super) struct Members<D> {
     /// `None` behind the last one.
     current: Option<D>,

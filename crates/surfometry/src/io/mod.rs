@@ -1,4 +1,5 @@
-//! Image and mesh files: one file a format. An image format only reads its header; decoding and slabs are common to all.
+//! Image and mesh files: one file a format. An image format only reads its header; decoding and slabs are
+//! common to all.
 
 mod encoding;
 mod error;

@@ -1,6 +1,7 @@
 //! NIfTI-1 and NIfTI-2 headers, single files and pairs.
 //!
-//! Own code: the crate `nifti` reads no NIfTI-2, stops after the first gzip member and leaves the qform to the caller.
+//! Own code: the crate `nifti` reads no NIfTI-2, stops after the first gzip member and leaves the qform to
+//! the caller.
 //!
 //! # References
 //! nifti1.h and nifti2.h, <https://nifti.nimh.nih.gov>.
@@ -66,7 +67,8 @@ pub(super) fn read_header(path: &Path) -> Result<ImageHeader, ReadError> {
     })
 }
 
-/// Header and image file of a path that may name either of a pair. The other one may differ in being compressed.
+/// Header and image file of a path that may name either of a pair. The other one may differ in being
+/// compressed.
 fn parts(path: &Path) -> (PathBuf, PathBuf) {
     let name = path.to_string_lossy();
     let stem_end = if name.to_lowercase().ends_with(".gz") { name.len() - 3 } else { name.len() };
@@ -299,7 +301,8 @@ impl Fields {
     fn quaternion_directions(&self) -> [[f64; 3]; 3] {
         let [b, c, d] = self.quaternion;
         let square = b * b + c * c + d * d;
-        // As nifti1_io has it: of a quaternion longer than 1, or as long, the rotation is by 180 degrees about its axis.
+        // As nifti1_io has it: of a quaternion longer than 1, or as long, the rotation is by 180 degrees
+        // about its axis.
         let (a, length) = if 1.0 - square < HALF_TURN {
             (0.0, libm::sqrt(square))
         } else {

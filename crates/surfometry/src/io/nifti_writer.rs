@@ -6,8 +6,8 @@ use flate2::{Compression, write::GzEncoder};
 use std::io::{self, Write};
 use std::path::Path;
 
-/// Writes a label image as .nii, or .nii.gz where the name says so, with sform and qform set. Labels are stored in
-/// the smallest integer type that holds them. The file appears whole or not at all.
+/// Writes a label image as .nii, or .nii.gz where the name says so, with sform and qform set. Labels are
+/// stored in the smallest integer type that holds them. The file appears whole or not at all.
 ///
 /// # Errors
 /// Whatever the file system says.
@@ -18,7 +18,8 @@ pub fn write_labels(path: impl AsRef<Path>, image: &LabelImage) -> io::Result<()
 /// Writes one number a voxel, x fastest, in single precision, with its name in the header's description.
 ///
 /// # Errors
-/// [`io::ErrorKind::InvalidInput`] where the number of values is not the grid's; whatever the file system says.
+/// [`io::ErrorKind::InvalidInput`] where the number of values is not the grid's; whatever the file system
+/// says.
 pub fn write_voxel_map(path: impl AsRef<Path>, grid: &Grid, values: &[f32], name: &str) -> io::Result<()> {
     if values.len() != grid.voxel_count() {
         let message = format!("{} values for {} voxels", values.len(), grid.voxel_count());
@@ -173,8 +174,8 @@ impl Form {
     }
 }
 
-/// The vector part of a rotation's unit quaternion with a scalar part that is not negative; from the largest of the
-/// four, which keeps the division safe.
+/// The vector part of a rotation's unit quaternion with a scalar part that is not negative; from the largest
+/// of the four, which keeps the division safe.
 fn quaternion(r: &[[f64; 3]; 3]) -> [f64; 3] {
     let squares = [
         1.0 + r[0][0] + r[1][1] + r[2][2],

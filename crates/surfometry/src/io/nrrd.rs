@@ -117,8 +117,8 @@ fn spatial_axes(fields: &Fields, sizes: &[usize]) -> Result<Vec<usize>, ReadErro
     Ok(space)
 }
 
-/// The vectors of `space directions`, `None` for `none`. Entries that cannot be read become NaN, which the grid
-/// refuses.
+/// The vectors of `space directions`, `None` for `none`. Entries that cannot be read become NaN, which the
+/// grid refuses.
 fn directions_of(text: &str) -> Vec<Option<Vec<f64>>> {
     let mut directions = Vec::new();
     let mut rest = text.trim();

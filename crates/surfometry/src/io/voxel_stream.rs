@@ -11,7 +11,8 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
 
-/// How many bytes may follow the last voxel in compressed data, or as many as the voxels have: so far their end is looked for.
+/// How many bytes may follow the last voxel in compressed data, or as many as the voxels have: so far their
+/// end is looked for.
 const MOST_SURPLUS: u64 = 1 << 28;
 
 /// An open image file, read slab by slab.
@@ -37,7 +38,8 @@ impl VoxelStream {
         Self::of_header(header, grid, Arc::default())
     }
 
-    /// Opens the data of a file whose header was read; how many bytes follow the voxels of compressed data is told in `surplus`, when all is read.
+    /// Opens the data of a file whose header was read; how many bytes follow the voxels of compressed data is
+    /// told in `surplus`, when all is read.
     pub(crate) fn of_header(
         header: ImageHeader,
         grid: Grid,
@@ -85,7 +87,8 @@ impl VoxelStream {
         }
     }
 
-    /// Reads on to the end of compressed data, where decoders compare their checksums: damage may make a stream longer than it was.
+    /// Reads on to the end of compressed data, where decoders compare their checksums: damage may make a
+    /// stream longer than it was.
     fn finish(&mut self) -> Result<(), ReadError> {
         let expected = self.header.voxel_bytes();
         if self.header.data.encoding == Encoding::Raw {

@@ -1,11 +1,11 @@
 //! Files that appear whole or not at all.
 
-use std::fs::{self, File};
+use super::ResultOutput;
 use std::io::{self, BufWriter, Write};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-/// Writes a file through a temporary one beside it, which takes its place only when everything is written. A link is
-/// followed; a device or pipe (`/dev/stdout`) is written to directly.
+/// Writes a file under a name of its own beside it, `NAME.partial`, which takes its place only when
+/// everything is written. A link is followed; a device or pipe (`/dev/stdout`) is written to directly.
 ///
 /// # Errors
 /// Whatever the file system or `write` says; the file is then as it was.
@@ -13,41 +13,21 @@ pub fn write_whole(
     path: impl AsRef<Path>,
     write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
 ) -> io::Result<()> {
-    let target = fs::canonicalize(&path).unwrap_or_else(|_| path.as_ref().to_owned());
-    if fs::metadata(&target).is_ok_and(|m| !m.is_file() && !m.is_dir()) {
-        return write_to(File::options().write(true).open(target)?, write).map(drop);
+    let mut out = ResultOutput::create(path.as_ref())?;
+    let mut buffered = BufWriter::new(&mut out);
+    let written = write(&mut buffered).and_then(|()| buffered.flush());
+    // What could not be written is not to be written either when the buffer goes.
+    drop(buffered.into_parts());
+    match written {
+        Ok(()) => out.finish(),
+        Err(error) => out.discard().and(Err(error)),
     }
-    if target.is_dir() {
-        return Err(io::Error::new(io::ErrorKind::IsADirectory, "it is a folder"));
-    }
-    let folder = target
-        .parent()
-        .filter(|p| !p.as_os_str().is_empty())
-        .map_or_else(|| PathBuf::from("."), Path::to_owned);
-    let mut builder = tempfile::Builder::new();
-    // As any program creates files: the user's umask decides. (The crate's own default is for the owner alone.)
-    #[cfg(unix)]
-    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    let mut file = builder.tempfile_in(folder)?;
-    write_to(file.as_file_mut(), write)?;
-    if let Ok(replaced) = fs::metadata(&target) {
-        file.as_file().set_permissions(replaced.permissions())?;
-    }
-    // Before its name: after a loss of power there is the old file or the new one, not an empty one.
-    file.as_file().sync_all()?;
-    file.persist(target)?;
-    Ok(())
-}
-
-fn write_to<W: Write>(file: W, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
-    let mut buffered = BufWriter::new(file);
-    write(&mut buffered)?;
-    buffered.flush()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::fs;
 
     #[test]
     fn replaces_on_success_only() {

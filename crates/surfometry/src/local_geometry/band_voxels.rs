@@ -32,8 +32,8 @@ impl BandVoxels {
         Self { count: 0, groups: Vec::with_capacity(CAPACITY), columns: vec![[0.0; CAPACITY]; 10] }
     }
 
-    /// Hands on voxels that come one by one, in parts: what is left to do where [`visit_band`](super::Differentiation::visit_band) is
-    /// implemented for derivatives of one's own.
+    /// Hands on voxels that come one by one, in parts: what is left to do where
+    /// [`visit_band`](super::Differentiation::visit_band) is implemented for derivatives of one's own.
     pub fn hand_on(voxels: impl IntoIterator<Item = BandVoxel>, visit: &mut dyn FnMut(&Self)) {
         let mut band = Self::new();
         for BandVoxel { index, jet } in voxels {
@@ -78,8 +78,8 @@ impl BandVoxels {
         })
     }
 
-    /// Adds those of 8 neighbours along x whose bits are set; their numbers lie in `columns` from `from` on, and 8 more may be read. Hands
-    /// all on and starts again where another group might not fit.
+    /// Adds those of 8 neighbours along x whose bits are set; their numbers lie in `columns` from `from` on,
+    /// and 8 more may be read. Hands all on and starts again where another group might not fit.
     #[inline(always)]
     pub(crate) fn push_window<const N: usize>(
         &mut self,
@@ -92,7 +92,8 @@ impl BandVoxels {
         let mut rest = u32::from(bits);
         let mut count = self.count;
         while rest != 0 {
-            // Neighbours that belong to the band lie together: they move together, and what lies behind is written over.
+            // Neighbours that belong to the band lie together: they move together, and what lies behind is
+            // written over.
             let lane = rest.trailing_zeros() as usize;
             let neighbours = (rest >> lane).trailing_ones() as usize;
             for (column, numbers) in self.columns.iter_mut().zip(columns) {

@@ -15,12 +15,13 @@ pub struct Curvature {
 
 impl Curvature {
     /// H and K, or `None` where the gradient vanishes (or is too small for its square to be a number): there
-    /// the level set has no normal. Where it is small but not 0, as half-way through a plate, they are numbers
-    /// without meaning; the integrals leave those voxels out (`integrals::Band`).
+    /// the level set has no normal. Where it is small but not 0, as half-way through a plate, they are
+    /// numbers without meaning; the integrals leave those voxels out (`integrals::Band`).
     ///
     /// # References
     /// Besler et al., appendix, with two corrections: H is half of what is printed, and the last term of K is
-    /// 2 phi_x **phi_z** (phi_xy phi_yz - phi_xz phi_yy). The printed phi_x phi_y is invisible on axis-aligned shapes.
+    /// 2 phi_x **phi_z** (phi_xy phi_yz - phi_xz phi_yy). The printed phi_x phi_y is invisible on
+    /// axis-aligned shapes.
     pub fn of(jet: &Jet) -> Option<Self> {
         let curvature = Self::formula(jet);
         curvature.is_finite().then_some(curvature)
@@ -78,7 +79,8 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    /// The determinant form of K (Besler et al., eq. for K), expanded by minors: another route to the same number.
+    /// The determinant form of K (Besler et al., eq. for K), expanded by minors: another route to the same
+    /// number.
     fn bordered_determinant_k(jet: &Jet) -> f64 {
         let [x, y, z] = jet.gradient;
         let [xx, yy, zz, xy, xz, yz] = jet.hessian;

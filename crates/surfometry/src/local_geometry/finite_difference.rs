@@ -10,10 +10,11 @@ use crate::volume::{FieldImage, Mask};
 /// Halo of a tile: two voxels for central stencils, five for a shifted one at the image's edge.
 const REACH: [i64; 3] = [5; 3];
 
-/// Fourth-order central differences (Besler et al., appendix), shifted where the field ends at the image's edge.
+/// Fourth-order central differences (Besler et al., appendix), shifted where the field ends at the image's
+/// edge.
 ///
-/// Exact for smooth fields as h^4. On a blur of sigma <= 2 voxels the truncation error costs 1-2 % of the area and
-/// most of the error of the Euler characteristic: [`super::GaussianDerivatives`] has none.
+/// Exact for smooth fields as h^4. On a blur of sigma <= 2 voxels the truncation error costs 1-2 % of the
+/// area and most of the error of the Euler characteristic: [`super::GaussianDerivatives`] has none.
 #[derive(Debug)]
 pub struct FiniteDifferences<E> {
     embedding: E,
@@ -61,7 +62,8 @@ impl<E: Embedding> FiniteDifferences<E> {
 }
 
 impl FiniteDifferences<&FieldImage> {
-    /// Mean |grad phi| over the inside voxels that share a face with an outside one, 1/mm; `None` if there are none.
+    /// Mean |grad phi| over the inside voxels that share a face with an outside one, 1/mm; `None` if there
+    /// are none.
     pub(crate) fn gradient_at_surface(&self, inside: &Mask) -> Option<f64> {
         let image = self.embedding.grid().index_box();
         let (mut sum, mut count) = (ExactSum::default(), 0u64);
@@ -109,8 +111,8 @@ impl<E: Embedding> Differentiation for FiniteDifferences<E> {
         BandVoxels::hand_on(indices.map(|index| BandVoxel { index, jet: self.jet(field, index) }), visit);
     }
 
-    /// Differentiates the polynomial through the 6 x 6 x 6 voxels around each point: second derivatives are of fourth
-    /// order there, as on the grid.
+    /// Differentiates the polynomial through the 6 x 6 x 6 voxels around each point: second derivatives are
+    /// of fourth order there, as on the grid.
     fn jets_at(&self, field: &Block<E::Value>, points: &[[f64; 3]]) -> Vec<Jet> {
         points.iter().map(|&p| interpolated_jet(field, p, self.spacing)).collect()
     }

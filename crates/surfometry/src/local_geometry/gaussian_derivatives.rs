@@ -8,9 +8,9 @@ use crate::tiling::{Block, IndexBox};
 
 /// First and second derivatives straight from the mask, without differences.
 ///
-/// d(G * I) = (dG) * I holds exactly, so the only errors are the sampling of the kernels (exp(-2 pi^2 sigma^2 / h^2))
-/// and their cut. Accurate from sigma = 1 voxel on, very accurate from 1.5 on (van Vliet and Verbeek 1993
-/// advise 2.7 for local curvature).
+/// d(G * I) = (dG) * I holds exactly, so the only errors are the sampling of the kernels (exp(-2 pi^2 sigma^2
+/// / h^2)) and their cut. Accurate from sigma = 1 voxel on, very accurate from 1.5 on (van Vliet and Verbeek
+/// 1993 advise 2.7 for local curvature).
 #[derive(Debug)]
 pub struct GaussianDerivatives<'a> {
     embedding: GaussianEmbedding<'a>,
@@ -70,9 +70,10 @@ impl<'a> Differentiation for GaussianDerivatives<'a> {
         voxels.flush(visit);
     }
 
-    /// Convolved with kernels that are centred at each point; interpolated between the derivatives on the grid where the blur is wide
-    /// in voxels, which convolving pays for with the square of sigma while nothing is lost, and where it is narrower than a
-    /// voxel, so that a Gaussian's samples depend on where between the voxels they are taken.
+    /// Convolved with kernels that are centred at each point; interpolated between the derivatives on the
+    /// grid where the blur is wide in voxels, which convolving pays for with the square of sigma while
+    /// nothing is lost, and where it is narrower than a voxel, so that a Gaussian's samples depend on where
+    /// between the voxels they are taken.
     fn jets_at(&self, _field: &Block<f32>, points: &[[f64; 3]]) -> Vec<Jet> {
         let sigma = self.embedding.sigma();
         let spacing = self.embedding.indicator().grid().spacing();
@@ -86,12 +87,15 @@ impl<'a> Differentiation for GaussianDerivatives<'a> {
 
 /// Slices of the band that are convolved together.
 const SLICES: i64 = 32;
-/// Sigma in spacings from which on the polynomial through six voxels an axis is right to 1e-5 (`tests/vertices.rs`).
+/// Sigma in spacings from which on the polynomial through six voxels an axis is right to 1e-5
+/// (`tests/vertices.rs`).
 const WIDE: f64 = 4.0;
-/// Sigma in spacings below which a Gaussian's moments off the grid are not those on it (by 1e-3 here, by a factor of two at 0.43).
+/// Sigma in spacings below which a Gaussian's moments off the grid are not those on it (by 1e-3 here, by a
+/// factor of two at 0.43).
 const NARROW: f64 = 0.75;
 
-/// phi = T - blur, so its derivatives are those of the blur, negated; the blur's are in terms of a unit of length in mm.
+/// phi = T - blur, so its derivatives are those of the blur, negated; the blur's are in terms of a unit of
+/// length in mm.
 fn jet_of_blur(phi: f64, unit: f64, derivative: impl Fn(usize) -> f64) -> Jet {
     Jet {
         value: phi,

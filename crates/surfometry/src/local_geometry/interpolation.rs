@@ -4,16 +4,16 @@ use super::jet::ORDERS;
 use super::{Jet, MINIMUM_POINTS};
 use crate::tiling::{Block, IndexBox};
 
-/// The polynomial through six voxels of an axis: for each voxel, its weight in the value and the first two derivatives, in
-/// units of 1/spacing^order.
+/// The polynomial through six voxels of an axis: for each voxel, its weight in the value and the first two
+/// derivatives, in units of 1/spacing^order.
 struct AxisWeights {
     first: i64,
     weights: [[f64; 3]; MINIMUM_POINTS],
 }
 
 impl AxisWeights {
-    /// At a fractional index on an axis whose values exist on `lower..upper`: the point in the middle, or nearer to
-    /// the end where the field ends.
+    /// At a fractional index on an axis whose values exist on `lower..upper`: the point in the middle, or
+    /// nearer to the end where the field ends.
     fn at(position: f64, lower: i64, upper: i64) -> Self {
         let points = MINIMUM_POINTS as i64;
         let first = (position.floor() as i64 - points / 2 + 1).clamp(lower, upper - points);
@@ -56,7 +56,8 @@ pub(super) fn interpolated_values<const N: usize>(blocks: &[Block<f32>; N], poin
     values
 }
 
-/// Value and derivatives, in mm along the image's axes, at a fractional index of a block of at least six voxels a side.
+/// Value and derivatives, in mm along the image's axes, at a fractional index of a block of at least six
+/// voxels a side.
 pub(super) fn interpolated_jet<T: Copy + Into<f64>>(
     values: &Block<T>,
     point: [f64; 3],

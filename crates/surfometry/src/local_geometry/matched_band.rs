@@ -48,7 +48,8 @@ struct Slice<'a> {
     width: usize,
     /// The band in each row; rows count from `SIDE` before the tile's on.
     band: Vec<RowSet>,
-    /// First differences along z, of which those along x and y are mixed second ones: row after row, where the band needs them.
+    /// First differences along z, of which those along x and y are mixed second ones: row after row, where
+    /// the band needs them.
     along_z: Vec<f32>,
     /// First differences of the row in work along y.
     along_y: Vec<f32>,
@@ -223,7 +224,8 @@ impl Windows {
     }
 }
 
-/// The rows at equal distances before and behind one, or with a stride of 1 the same row's values there: -1, 1, -2, 2 and so on.
+/// The rows at equal distances before and behind one, or with a stride of 1 the same row's values there: -1,
+/// 1, -2, 2 and so on.
 #[inline(always)]
 fn neighbours(values: &[f32], start: usize, stride: usize, width: usize) -> [&[f32]; NEIGHBOURS] {
     let mut rows = [&values[..0]; NEIGHBOURS];

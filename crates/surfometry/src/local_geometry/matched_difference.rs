@@ -11,9 +11,10 @@ use std::sync::OnceLock;
 
 /// First and second derivatives at a voxel from four voxels on each side.
 ///
-/// Equal to [`super::GaussianDerivatives`] up to 2e-4 in area and 0.001 in the Euler characteristic at sigma = 1.75 voxels, 6e-5 and
-/// 3e-4 at 2 (`tests/matched_differences.rs`), for a third of the multiplications of ten convolutions. Below 1.75 voxels the
-/// neighbours of a voxel no longer tell its derivatives, and above 8 the rounding of the field's f32 shows in them: use Gaussian derivatives there.
+/// Equal to [`super::GaussianDerivatives`] up to 2e-4 in area and 0.001 in the Euler characteristic at sigma
+/// = 1.75 voxels, 6e-5 and 3e-4 at 2 (`tests/matched_differences.rs`), for a third of the multiplications of
+/// ten convolutions. Below 1.75 voxels the neighbours of a voxel no longer tell its derivatives, and above 8
+/// the rounding of the field's f32 shows in them: use Gaussian derivatives there.
 #[derive(Debug)]
 pub struct MatchedDifferences<'a> {
     embedding: GaussianEmbedding<'a>,
@@ -38,8 +39,8 @@ impl<'a> MatchedDifferences<'a> {
         Self { embedding, weights, between: OnceLock::new() }
     }
 
-    /// Whether a blur of sigma is neither too narrow nor too wide for voxels of a spacing (a hair is allowed for spacings that went
-    /// through f32).
+    /// Whether a blur of sigma is neither too narrow nor too wide for voxels of a spacing (a hair is allowed
+    /// for spacings that went through f32).
     pub fn are_valid(sigma: f64, spacing: [f64; 3]) -> bool {
         let [low, high] = VALID;
         spacing.iter().all(|h| (low - 1e-3..=high + 1e-3).contains(&(sigma / h)))
@@ -103,8 +104,8 @@ fn point_jets<S: Simd>(
     jets
 }
 
-/// The products of three axes' weights with the field around a point: rows along x are added up by the orders along y and z, then along
-/// x.
+/// The products of three axes' weights with the field around a point: rows along x are added up by the orders
+/// along y and z, then along x.
 #[inline(always)]
 fn point_jet<S: Simd>(simd: S, field: &Block<f32>, axes: &[(i64, Weights<NODES_BETWEEN>); 3]) -> Jet {
     let [(x, wx), (y, wy), (z, wz)] = axes;
@@ -115,8 +116,8 @@ fn point_jet<S: Simd>(simd: S, field: &Block<f32>, axes: &[(i64, Weights<NODES_B
     let mut sums = [zero; 6];
     for k in 0..NODES_BETWEEN {
         let [w0, w1, w2] = [wz[0][k] as f32, wz[1][k] as f32, wz[2][k] as f32];
-        // A vertex lies at a voxel along two axes, whose value is that voxel's alone: then a slice beside it only adds to derivatives across
-        // slices, and a row beside it to those across rows.
+        // A vertex lies at a voxel along two axes, whose value is that voxel's alone: then a slice beside it
+        // only adds to derivatives across slices, and a row beside it to those across rows.
         let beside = w0 == 0.0;
         if beside && w1 == 0.0 && w2 == 0.0 {
             continue;

@@ -12,21 +12,22 @@ pub(super) const NODES_BETWEEN: usize = 2 * SIDE + 2;
 /// Weights of the value, the first and the second derivative, in units of 1/spacing^order.
 pub(super) type Weights<const N: usize> = [[f64; N]; 3];
 
-/// Share of the spectrum's peak, flat, that stands for the rounding of a field in f32: it keeps the weights small where the
-/// blur leaves nothing to fit.
+/// Share of the spectrum's peak, flat, that stands for the rounding of a field in f32: it keeps the weights
+/// small where the blur leaves nothing to fit.
 const NOISE: f64 = 1e-13;
 /// Frequencies of the fit.
 const FREQUENCIES: usize = 200;
 /// Moments that are exact: of a constant, a ramp and a parabola.
 const MOMENTS: usize = 3;
 
-/// Weights of `N` neighbouring voxels, the first at `first`, for derivatives at a position between them; all in voxels. `sigma` is the
-/// field's blur, in voxels too.
+/// Weights of `N` neighbouring voxels, the first at `first`, for derivatives at a position between them; all
+/// in voxels. `sigma` is the field's blur, in voxels too.
 ///
-/// A field that a Gaussian has blurred has the spectrum exp(-sigma^2 omega^2 / 2), so a difference need not be right
-/// beyond it. Among the weights that are exact for parabolas, those are chosen that minimise the squared error of the
-/// derivative of waves, weighted by the energy of the field's gradient, which for a sharp surface is exp(-sigma^2 omega^2)
-/// (`experiments/matched_stencils`). Taylor's weights (FD8) would be exact for the longest waves only.
+/// A field that a Gaussian has blurred has the spectrum exp(-sigma^2 omega^2 / 2), so a difference need not
+/// be right beyond it. Among the weights that are exact for parabolas, those are chosen that minimise the
+/// squared error of the derivative of waves, weighted by the energy of the field's gradient, which for a
+/// sharp surface is exp(-sigma^2 omega^2) (`experiments/matched_stencils`). Taylor's weights (FD8) would be
+/// exact for the longest waves only.
 pub(super) struct Fit<const N: usize> {
     first: i64,
     waves: Vec<Wave<N>>,
@@ -92,8 +93,8 @@ impl<const N: usize> Fit<N> {
             system[N + order][size + order] = value;
         }
         let mut solutions = solved(system.clone());
-        // The equations of a wide blur are nearly dependent: what the solution leaves of the right-hand sides is solved for again, so that the
-        // moments, on which areas rest, come out exact.
+        // The equations of a wide blur are nearly dependent: what the solution leaves of the right-hand sides
+        // is solved for again, so that the moments, on which areas rest, come out exact.
         for equation in &mut system {
             for order in 0..3 {
                 let found: f64 = (0..size).map(|n| equation[n] * solutions[n][order]).sum();
@@ -107,8 +108,8 @@ impl<const N: usize> Fit<N> {
     }
 }
 
-/// Solves linear equations with the right-hand sides behind the matrix's columns, by elimination with row exchange and substitution; a row
-/// of solutions an unknown.
+/// Solves linear equations with the right-hand sides behind the matrix's columns, by elimination with row
+/// exchange and substitution; a row of solutions an unknown.
 ///
 /// Own code: a dozen unknowns, once an object, do not need the linear algebra crates that were looked at.
 pub(crate) fn solved(mut system: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
@@ -145,7 +146,8 @@ pub(crate) struct CentralWeights {
 }
 
 impl CentralWeights {
-    /// For a field of blur `sigma` on an axis of a spacing, both in the same unit; derivatives come out in that unit.
+    /// For a field of blur `sigma` on an axis of a spacing, both in the same unit; derivatives come out in
+    /// that unit.
     pub(super) fn new(sigma: f64, spacing: f64) -> Self {
         let [_, first, second] = Fit::<NODES>::new(sigma / spacing, -(SIDE as i64)).weights(0.0);
         let outward = |weights: [f64; NODES], scale: f64| {
@@ -166,7 +168,8 @@ impl PointWeights {
     /// As [`CentralWeights::new`].
     pub(super) fn new(sigma: f64, spacing: f64) -> Self {
         let fit = Fit::<NODES_BETWEEN>::new(sigma / spacing, -(SIDE as i64));
-        // At a voxel the weights are those of its band: symmetric, without the farthest node, the value being the voxel's own.
+        // At a voxel the weights are those of its band: symmetric, without the farthest node, the value being
+        // the voxel's own.
         let central = Fit::<NODES>::new(sigma / spacing, -(SIDE as i64)).weights(0.0);
         let at_voxel = |number: usize| {
             let weight = |order: usize, k: usize| match (order, k.checked_sub(number)) {
@@ -188,7 +191,8 @@ impl PointWeights {
         Self((0..=STEPS).map(scaled).collect())
     }
 
-    /// The first voxel that is needed for a fractional index, and the weights, by the parabola through three that are kept.
+    /// The first voxel that is needed for a fractional index, and the weights, by the parabola through three
+    /// that are kept.
     #[inline(always)]
     pub(super) fn at(&self, position: f64) -> (i64, Weights<NODES_BETWEEN>) {
         let voxel = position.floor();
@@ -222,11 +226,12 @@ mod tests {
         [0.5 * libm::erf(x / (sigma * 2f64.sqrt())), bell, -x / (sigma * sigma) * bell]
     }
 
-    /// Relative to the edge's largest slope (1/sigma) and bend (1/sigma^2), over the band; and better than Taylor's.
+    /// Relative to the edge's largest slope (1/sigma) and bend (1/sigma^2), over the band; and better than
+    /// Taylor's.
     #[test]
     fn derivatives_of_a_blurred_edge() {
-        // At sigma 1.5 and 2 voxels, measured with the study's weights: 4.3e-4 and 4.6e-5 of the slope (rms). From 5 on little is left to
-        // fit, and what is left of the equations' conditioning is seen.
+        // At sigma 1.5 and 2 voxels, measured with the study's weights: 4.3e-4 and 4.6e-5 of the slope (rms).
+        // From 5 on little is left to fit, and what is left of the equations' conditioning is seen.
         for (sigma, bound) in [(1.5, 1e-3), (2.0, 1.1e-4), (3.0, 5e-6), (5.0, 1e-5), (8.0, 1e-5)] {
             let central = Fit::<NODES>::new(sigma, -4).weights(0.0);
             let between = PointWeights::new(sigma, 1.0);

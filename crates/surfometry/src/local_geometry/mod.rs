@@ -27,9 +27,11 @@ use crate::tiling::{Block, IndexBox};
 
 /// A scheme that differentiates an embedding near its surface.
 ///
-/// Whoever asks has evaluated the embedding on [`Differentiation::field_region`] of a tile, once for all that is wanted there.
+/// Whoever asks has evaluated the embedding on [`Differentiation::field_region`] of a tile, once for all that
+/// is wanted there.
 ///
-/// Derivatives of one's own are integrated, and taken at points, like those of this crate. Here of a ball, exact:
+/// Derivatives of one's own are integrated, and taken at points, like those of this crate. Here of a ball,
+/// exact:
 ///
 /// ```
 /// use surfometry::embedding::Embedding;
@@ -128,11 +130,12 @@ pub trait Differentiation: Sync {
     /// The field that is differentiated.
     fn embedding(&self) -> &Self::Field;
 
-    /// Where the field must be known for a tile: at least on the tile and one voxel around it, as far as the field exists.
+    /// Where the field must be known for a tile: at least on the tile and one voxel around it, as far as the
+    /// field exists.
     fn field_region(&self, tile: &IndexBox) -> IndexBox;
 
-    /// Hands on the voxels of a tile where |phi| <= `half_width`, with the first and second derivatives there, in an order that depends on
-    /// nothing else.
+    /// Hands on the voxels of a tile where |phi| <= `half_width`, with the first and second derivatives
+    /// there, in an order that depends on nothing else.
     fn visit_band(
         &self,
         field: &FieldBlock<Self>,
@@ -141,8 +144,8 @@ pub trait Differentiation: Sync {
         visit: &mut dyn FnMut(&BandVoxels),
     );
 
-    /// The field and its derivatives, taken there, at points of a tile off the grid: fractional voxel indices. Derivatives are along
-    /// the image's axes, in mm.
+    /// The field and its derivatives, taken there, at points of a tile off the grid: fractional voxel
+    /// indices. Derivatives are along the image's axes, in mm.
     fn jets_at(&self, field: &FieldBlock<Self>, points: &[[f64; 3]]) -> Vec<Jet>;
 
     /// The field of a tile, in memory that was used before.

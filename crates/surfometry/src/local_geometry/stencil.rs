@@ -57,7 +57,8 @@ impl Stencil {
 mod tests {
     use super::*;
 
-    /// Fourth order means: exact on polynomials up to degree 4 (first) and 5 (second, where six points are used).
+    /// Fourth order means: exact on polynomials up to degree 4 (first) and 5 (second, where six points are
+    /// used).
     #[test]
     fn exact_on_polynomials_at_every_position() {
         for index in 0..7 {

@@ -71,8 +71,8 @@ impl BlurBound {
 
     /// Whether the blurred indicator of an object in a box is known to stay below a value everywhere.
     ///
-    /// It is at most that of the box, whose maximum is a product over the axes of the largest sum of as many neighbouring taps as the box is
-    /// wide; and at most that of all voxels, `total`, in one place.
+    /// It is at most that of the box, whose maximum is a product over the axes of the largest sum of as many
+    /// neighbouring taps as the box is wide; and at most that of all voxels, `total`, in one place.
     pub(super) fn is_below(&self, bounds: &IndexBox, total: impl Fn() -> f64, value: f64) -> bool {
         let product = |extent: [usize; 3]| (0..3).map(|a| self.axes[a].highest(extent[a])).product::<f64>();
         self.weight * product(bounds.extent()) < value || self.weight * total() * product([1; 3]) < value
@@ -83,7 +83,8 @@ impl BlurBound {
         self.is_below(&mask.bounds(), || mask.voxels() as f64, self.band * (1.0 - 1e-6))
     }
 
-    /// A box, of voxels that are worked on together, outside which the band of an object is known to be nowhere; `None` where no bound is known.
+    /// A box, of voxels that are worked on together, outside which the band of an object is known to be
+    /// nowhere; `None` where no bound is known.
     pub(super) fn cells_of_band(&self, mask: &Mask) -> Option<IndexBox> {
         // Fields are in single precision.
         let band = self.band - 1e-4;
@@ -91,7 +92,8 @@ impl BlurBound {
         let highest: [f64; 3] = std::array::from_fn(|a| self.axes[a].highest(extent[a]));
         let mut reach = [0; 3];
         for a in 0..3 {
-            // Beside the object's box the blur is at most what comes of a box as wide, so far off along that axis.
+            // Beside the object's box the blur is at most what comes of a box as wide, so far off along that
+            // axis.
             let others = self.weight * highest[(a + 1) % 3] * highest[(a + 2) % 3];
             reach[a] = self.axes[a].reach(extent[a], band / others)?;
         }

@@ -109,7 +109,8 @@ impl<'a> Labels<'a> {
         }
     }
 
-    /// What a box adds to each of the selected objects, by the labels of its group; `reach` is how far around the box they are known.
+    /// What a box adds to each of the selected objects, by the labels of its group; `reach` is how far around
+    /// the box they are known.
     pub(super) fn sums(
         &self,
         setup: &Setup,
@@ -136,7 +137,8 @@ impl<'a> Labels<'a> {
         let start = Instant::now();
         let mask = self.runs.mask(&group.codes, group.bounds);
         let image = setup.grid.index_box();
-        // What is in reach of the box decides; so a small object costs nothing, however far a blur spreads it.
+        // What is in reach of the box decides; so a small object costs nothing, however far a blur spreads
+        // it.
         let sums = if bound.is_some_and(|bound| bound.has_no_band(&mask)) {
             ObjectSums::default()
         } else {

@@ -18,11 +18,12 @@ const SCHEMA_NAME: &str = "surfometry-partial/";
 /// The form that is written and read.
 const SCHEMA: &str = "surfometry-partial/1";
 
-/// What some boxes of an image add to the measurement of its objects: a value that can be written, sent, read, and merged with those of the
-/// other boxes in any order.
+/// What some boxes of an image add to the measurement of its objects: a value that can be written, sent,
+/// read, and merged with those of the other boxes in any order.
 ///
-/// Sums are exact and hang on the image, not on the boxes, so the value of all boxes gives the bits of [`Measurement::run_labels`], topology
-/// included. Equal boxes give equal values, and but for the times in them equal bytes, in whatever order they were merged.
+/// Sums are exact and hang on the image, not on the boxes, so the value of all boxes gives the bits of
+/// [`Measurement::run_labels`], topology included. Equal boxes give equal values, and but for the times in
+/// them equal bytes, in whatever order they were merged.
 ///
 /// ```
 /// # use surfometry::{Measurement, measurement::PartialMeasurement, tiling::IndexBox};
@@ -69,9 +70,11 @@ struct Contents {
 /// What a box of an image is measured over, and what must be known for it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct BoxShare {
-    /// The voxels of the tiles that belong to the box: those whose first voxel lies in it. None where it holds no tile's first voxel.
+    /// The voxels of the tiles that belong to the box: those whose first voxel lies in it. None where it
+    /// holds no tile's first voxel.
     pub owned: IndexBox,
-    /// The voxels on whose labels its sums depend: those that it owns and a halo around them, as far as the image reaches.
+    /// The voxels on whose labels its sums depend: those that it owns and a halo around them, as far as the
+    /// image reaches.
     pub needed: IndexBox,
 }
 
@@ -119,7 +122,8 @@ pub enum DecodeError {
 }
 
 impl Measurement {
-    /// What the measurement of a box of an image covers and needs. However an image is cut into boxes, each of its tiles belongs to one of them.
+    /// What the measurement of a box of an image covers and needs. However an image is cut into boxes, each
+    /// of its tiles belongs to one of them.
     ///
     /// # Errors
     /// [`MeasureError`] for parameters that make no sense, or that ask for whole objects.
@@ -129,11 +133,12 @@ impl Measurement {
         Ok(BoxShare { owned, needed: needed(&setup, &owned) })
     }
 
-    /// Measures the selected objects of an image as far as they lie in a box: see [`Measurement::share`] for what that covers, and which labels the
-    /// block must hold.
+    /// Measures the selected objects of an image as far as they lie in a box: see [`Measurement::share`] for
+    /// what that covers, and which labels the block must hold.
     ///
     /// # Errors
-    /// [`MeasureError`] for parameters that make no sense or ask for whole objects, or a block that lacks voxels around the box.
+    /// [`MeasureError`] for parameters that make no sense or ask for whole objects, or a block that lacks
+    /// voxels around the box.
     pub fn measure_box(
         &self,
         block: &LabelBlock,
@@ -275,7 +280,8 @@ impl PartialMeasurement {
     /// The selected objects, in order of selection or of label: the bits of [`Measurement::run_labels`].
     ///
     /// # Errors
-    /// [`MeasureError`] where boxes are missing, for a label that does not occur, or an image without foreground.
+    /// [`MeasureError`] where boxes are missing, for a label that does not occur, or an image without
+    /// foreground.
     pub fn results(&self) -> Result<Vec<(LabelGroup, Measured)>, MeasureError> {
         let Self(all) = self;
         let (setup, groups) = all.complete()?;

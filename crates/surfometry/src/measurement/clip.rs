@@ -13,10 +13,12 @@ use serde::{Deserialize, Serialize};
 /// What becomes of an object where the edge of the image cuts it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Clip {
-    /// It is closed there with a flat cap, as the paper does: volume, area and curvature are those of a closed object.
+    /// It is closed there with a flat cap, as the paper does: volume, area and curvature are those of a
+    /// closed object.
     #[default]
     Cap,
-    /// The cut face and its rim are left out: volume, area and curvature are those between the cuts, of a surface that is open there.
+    /// The cut face and its rim are left out: volume, area and curvature are those between the cuts, of a
+    /// surface that is open there.
     Exclude,
 }
 
@@ -25,9 +27,11 @@ choices!(Clip, "clip": {
     Exclude = "exclude": "Measured between sections 3 sigma inside the cuts",
 });
 
-/// How far from a cut the measured part ends, in units of sigma. What the mirror image gets wrong weighs g(3) = 0.4 % there.
+/// How far from a cut the measured part ends, in units of sigma. What the mirror image gets wrong weighs g(3)
+/// = 0.4 % there.
 const RIM: f64 = 3.0;
-/// How far an object is continued beyond the image, in units of the widest blur: as far as its kernel reaches.
+/// How far an object is continued beyond the image, in units of the widest blur: as far as its kernel
+/// reaches.
 const CONTINUED: f64 = 6.0;
 
 /// An object that the image cuts, continued beyond it, and the part of it that is measured.
@@ -62,12 +66,14 @@ pub struct ClipSummary {
     pub voxel_volume_mm3: f64,
     /// Area of the sections in which the part ends, by counting voxels on both sides, mm^2.
     pub section_area_mm2: f64,
-    /// Integral of the geodesic curvature along the open surface's boundary, corners included: with the integral of K it makes 2 pi chi.
+    /// Integral of the geodesic curvature along the open surface's boundary, corners included: with the
+    /// integral of K it makes 2 pi chi.
     pub boundary_curvature: f64,
 }
 
 impl Measurement {
-    /// What is to be measured in place of an object that its image cuts; `None` where no face does, or [`Clip::Cap`] closes it.
+    /// What is to be measured in place of an object that its image cuts; `None` where no face does, or
+    /// [`Clip::Cap`] closes it.
     ///
     /// # Errors
     /// [`MeasureError`] for parameters that make no sense, or an embedding without a blur.
@@ -156,7 +162,8 @@ fn section_area(mask: &Mask, region: &IndexBox, cuts: [[bool; 2]; 3]) -> f64 {
 pub(super) struct BoundaryTerms {
     /// Integral of the geodesic curvature, corners included.
     pub(super) curvature: f64,
-    /// Integral of H times the normal's slope against the cut: by how much the area between the cuts grows where the surface moves out by H.
+    /// Integral of H times the normal's slope against the cut: by how much the area between the cuts grows
+    /// where the surface moves out by H.
     pub(super) area: f64,
     /// The same of H^2, for M.
     pub(super) total_mean_curvature: f64,
@@ -174,7 +181,8 @@ impl MeasuredPart {
         }
     }
 
-    /// Sums along the boundary: the same delta in the planes that end the part, and on the lines in which two of them meet.
+    /// Sums along the boundary: the same delta in the planes that end the part, and on the lines in which two
+    /// of them meet.
     pub(super) fn boundary(&self, scheme: &Scheme, setup: &Setup) -> BoundaryTerms {
         with_scheme!(scheme, s => self.boundary_in(s, setup))
     }
@@ -208,8 +216,8 @@ fn band_of<D: Differentiation>(scheme: &D, region: &IndexBox, half_width: f64) -
 }
 
 impl BoundaryTerms {
-    /// Geodesic curvature of a plane section: its own curvature times the surface normal's component into the part. (Upper half of a ball,
-    /// cut at angle theta from its pole: cot(theta).)
+    /// Geodesic curvature of a plane section: its own curvature times the surface normal's component into the
+    /// part. (Upper half of a ball, cut at angle theta from its pole: cot(theta).)
     fn add_in_plane(&mut self, voxel: &BandVoxel, band: &Band, axis: usize, inward: f64, cell: f64) {
         let Some((density, curvature)) = band.element(&voxel.jet) else { return };
         let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
@@ -222,7 +230,8 @@ impl BoundaryTerms {
         let (square, length) =
             (gradient[u] * gradient[u] + gradient[v] * gradient[v], voxel.jet.gradient_magnitude());
         let slope = inward * gradient[axis] / length;
-        // Times |grad phi| in the plane, which turns delta into length: where the plane touches the surface, both are 0.
+        // Times |grad phi| in the plane, which turns delta into length: where the plane touches the surface,
+        // both are 0.
         let bending = (voxel.jet.hessian[u] * gradient[v] * gradient[v]
             - 2.0 * gradient[u] * gradient[v] * mixed(u, v)
             + voxel.jet.hessian[v] * gradient[u] * gradient[u])

@@ -111,8 +111,8 @@ impl Setup {
         }
     }
 
-    /// The surface that the unqualified numbers describe: the original object's wherever it can be had, unless the
-    /// paper's choices are asked for.
+    /// The surface that the unqualified numbers describe: the original object's wherever it can be had,
+    /// unless the paper's choices are asked for.
     fn described(&self) -> DescribedSurface {
         let compensable = self.parameters.compensable_sigma().is_some() && !self.measurement.paper;
         match self.parameters.embedding {

@@ -36,7 +36,8 @@ pub struct LocatedChange {
     pub position_mm: [f64; 3],
     /// The voxel there (x, y, z).
     pub voxel: [i64; 3],
-    /// Width there, mm: of the strut, hole, piece or cavity, of the wall that was broken or the gap that was filled.
+    /// Width there, mm: of the strut, hole, piece or cavity, of the wall that was broken or the gap that was
+    /// filled.
     pub width_mm: f64,
     /// For the band, the share of its levels at which the change has happened; 1 for the blur.
     pub share: f64,
@@ -74,8 +75,8 @@ impl LocatedChange {
 pub struct TopologyExplanation {
     /// The changes: the blur's, then the band's.
     pub changes: Vec<LocatedChange>,
-    /// What the band must see beyond the Euler characteristic of phi = 0: by the coarea formula it sees the mean of those of its levels,
-    /// weighted by the delta. `None` where only the blur was looked at.
+    /// What the band must see beyond the Euler characteristic of phi = 0: by the coarea formula it sees the
+    /// mean of those of its levels, weighted by the delta. `None` where only the blur was looked at.
     pub expected_in_band: Option<f64>,
     /// The band voxel with the least gradient, where the integral of K is least certain.
     pub weakest: Option<WeakestGradient>,
@@ -90,8 +91,8 @@ pub struct WeakestGradient {
     pub share: f64,
 }
 
-/// What of an object is compared: only its voxels with phi = 0, which takes no longer than measuring it, or also the levels of
-/// the band, whose voxels have their turn one after the other.
+/// What of an object is compared: only its voxels with phi = 0, which takes no longer than measuring it, or
+/// also the levels of the band, whose voxels have their turn one after the other.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Looked {
     Blur,
@@ -102,19 +103,22 @@ pub(crate) enum Looked {
 const LEAST_SHARE: f64 = 0.005;
 
 impl Object {
-    /// Where the blur and the band change the object's topology; `None` where there is no blur, or it leaves nothing.
+    /// Where the blur and the band change the object's topology; `None` where there is no blur, or it leaves
+    /// nothing.
     ///
-    /// The voxels are compared with the solids inside three levels of phi: 0, and both ends of the band. The sum of the blur's changes is
-    /// exactly the difference of the Euler numbers of the voxels and of those inside phi = 0 (26-connected).
+    /// The voxels are compared with the solids inside three levels of phi: 0, and both ends of the band. The
+    /// sum of the blur's changes is exactly the difference of the Euler numbers of the voxels and of those
+    /// inside phi = 0 (26-connected).
     ///
-    /// Memory follows the surface: some 16 bytes for each voxel of the band and each that the blur puts on the other side, and a few bits
-    /// for each of the object's box.
+    /// Memory follows the surface: some 16 bytes for each voxel of the band and each that the blur puts on
+    /// the other side, and a few bits for each of the object's box.
     pub fn explain_topology(&self) -> Option<TopologyExplanation> {
         self.explain_topology_of(Looked::BlurAndBand, usize::MAX, &WorkTime::default())
     }
 
-    /// The same, or only what the blur changed, with the time that it takes; `None` also where more than so many values of the
-    /// field would have to be kept: those of voxels that the blur puts on the other side, and those of the band.
+    /// The same, or only what the blur changed, with the time that it takes; `None` also where more than so
+    /// many values of the field would have to be kept: those of voxels that the blur puts on the other side,
+    /// and those of the band.
     pub(crate) fn explain_topology_of(
         &self,
         looked: Looked,
@@ -171,7 +175,8 @@ impl Object {
     }
 }
 
-/// What a flag that tells of a disagreement about the topology ends with where its reasons were not looked for.
+/// What a flag that tells of a disagreement about the topology ends with where its reasons were not looked
+/// for.
 pub const UNEXPLAINED: &str = ". Where was not looked into: ask for an explanation";
 
 impl Measured {
@@ -180,7 +185,8 @@ impl Measured {
         self.flags.iter().any(|flag| flag.code == FlagCode::EulerDiffersFromVoxels)
     }
 
-    /// Says, in the flags that tell of a disagreement about the topology, that it was not looked for where it changed.
+    /// Says, in the flags that tell of a disagreement about the topology, that it was not looked for where it
+    /// changed.
     pub fn leave_unexplained(&mut self) {
         for flag in &mut self.flags {
             if matches!(flag.code, FlagCode::EulerDiffersFromVoxels | FlagCode::EulerNotInteger) {

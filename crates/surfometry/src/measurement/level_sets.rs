@@ -9,8 +9,8 @@ use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 
-/// The solids inside levels of the field: 0, and both ends of the band where they are asked for. Of the field itself only what
-/// lies between any two of them and the voxels is kept.
+/// The solids inside levels of the field: 0, and both ends of the band where they are asked for. Of the field
+/// itself only what lies between any two of them and the voxels is kept.
 pub(super) struct LevelSets {
     pub(super) surface: Mask,
     pub(super) band: Option<BandEnds>,
@@ -41,12 +41,13 @@ struct Walk<'a> {
     kept: AtomicUsize,
 }
 
-/// What is found in a tile: the field that is kept, and the least square of a gradient with its place along z, y, x.
+/// What is found in a tile: the field that is kept, and the least square of a gradient with its place along
+/// z, y, x.
 type TileFound = (SparseTile, Option<(f64, [i64; 3])>);
 
 impl LevelSets {
-    /// Of an object whose field is a blur; `None` where more than so many of the field's values would have to be kept, or it
-    /// was stopped. In parallel over tiles.
+    /// Of an object whose field is a blur; `None` where more than so many of the field's values would have to
+    /// be kept, or it was stopped. In parallel over tiles.
     pub(super) fn of(object: &Object, band: bool, most: usize, time: &WorkTime) -> Option<Self> {
         let scheme = object.scheme()?;
         let half_width = object.delta().half_width();

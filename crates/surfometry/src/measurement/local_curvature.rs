@@ -20,7 +20,8 @@ pub enum CurvatureScale {
     /// That of the integrals: curvature of the blurred object.
     #[default]
     AsMeasured,
-    /// The corrected embedding at a sigma that follows the object's radius of curvature and the spacing: curvature of the original object.
+    /// The corrected embedding at a sigma that follows the object's radius of curvature and the spacing:
+    /// curvature of the original object.
     Auto,
     /// The corrected embedding at this sigma, mm.
     Mm(f64),
@@ -30,10 +31,11 @@ pub enum CurvatureScale {
 type Prepare<'a> = &'a dyn Fn(&Measurement) -> Result<Object, MeasureError>;
 
 impl Measurement {
-    /// The measurement whose surface has the local curvature of the original object ([`EmbeddingKind::Corrected`]), at a given sigma or at the one
-    /// that suits the object: 0.66 h^(2/7) R^(5/7), with h the rms spacing and 1/R the rms over the surface of the larger principal curvature, from a
-    /// pilot measurement at sigma = 3 h; then 0.6 to 1.45 times that, as the change of curvature with sigma tells noise from bias
-    /// ([`balanced_sigma`]).
+    /// The measurement whose surface has the local curvature of the original object
+    /// ([`EmbeddingKind::Corrected`]), at a given sigma or at the one that suits the object: 0.66 h^(2/7)
+    /// R^(5/7), with h the rms spacing and 1/R the rms over the surface of the larger principal curvature,
+    /// from a pilot measurement at sigma = 3 h; then 0.6 to 1.45 times that, as the change of curvature with
+    /// sigma tells noise from bias ([`balanced_sigma`]).
     ///
     /// # Errors
     /// [`MeasureError`] for an empty mask, an embedding without a blur, or a sigma that makes no sense.
@@ -113,8 +115,8 @@ impl Measurement {
         Ok(auto_curvature_sigma(spacing, 0.0, 0.0))
     }
 
-    /// Mean squares of the changes of H R and K R^2, summed, from sigma / sqrt 2 to sigma and from there to sqrt 2 sigma, at the voxels beside the surface;
-    /// `None` where there are too few to tell.
+    /// Mean squares of the changes of H R and K R^2, summed, from sigma / sqrt 2 to sigma and from there to
+    /// sqrt 2 sigma, at the voxels beside the surface; `None` where there are too few to tell.
     fn changes_with_scale(
         &self,
         prepare: Prepare,

@@ -85,8 +85,8 @@ impl Default for Measurement {
 
 /// Setters, each of which gives back the measurement, so that they can be chained.
 impl Measurement {
-    /// The paper's choices: fourth-order differences, Simpson's rule, sigma 2.0 mm, t 2.5 mm, level 0.5, sine; its numbers
-    /// are those of the blurred surface.
+    /// The paper's choices: fourth-order differences, Simpson's rule, sigma 2.0 mm, t 2.5 mm, level 0.5,
+    /// sine; its numbers are those of the blurred surface.
     #[must_use]
     pub fn paper() -> Self {
         Self { quadrature: QuadratureRule::Simpson, paper: true, ..Self::default() }
@@ -131,8 +131,9 @@ impl Measurement {
         Self { embedding, ..self }
     }
 
-    /// How the field is differentiated; by default by matched differences for the Gaussian embedding where sigma is 1.75 to 8 voxels
-    /// along every axis, with Gaussian derivatives where it is not, and by finite differences for the other embeddings.
+    /// How the field is differentiated; by default by matched differences for the Gaussian embedding where
+    /// sigma is 1.75 to 8 voxels along every axis, with Gaussian derivatives where it is not, and by finite
+    /// differences for the other embeddings.
     #[must_use]
     pub fn derivatives(self, derivatives: Derivatives) -> Self {
         Self { derivatives: Some(derivatives), ..self }
@@ -158,11 +159,12 @@ impl Measurement {
         Self { truncation: Some(truncation), ..self }
     }
 
-    /// Measures the selected labels of an image, each as an object of its own, in parallel. `progress` is told how many
-    /// are done, of how many: first 0, then after each object, from whichever thread.
+    /// Measures the selected labels of an image, each as an object of its own, in parallel. `progress` is
+    /// told how many are done, of how many: first 0, then after each object, from whichever thread.
     ///
     /// # Errors
-    /// [`MeasureError`] for a label that does not occur, an image without foreground, or parameters that make no sense.
+    /// [`MeasureError`] for a label that does not occur, an image without foreground, or parameters that make
+    /// no sense.
     pub fn run_labels(
         &self,
         image: &LabelImage,
@@ -187,8 +189,8 @@ impl Measurement {
     /// Measures one object: the special case of one label.
     ///
     /// # Errors
-    /// [`MeasureError`] for an empty mask or parameters that make no sense. An object that the blur removes is no
-    /// error: its numbers are `None`, under the flag `surface-vanished`.
+    /// [`MeasureError`] for an empty mask or parameters that make no sense. An object that the blur removes
+    /// is no error: its numbers are `None`, under the flag `surface-vanished`.
     pub fn run(&self, mask: impl Shared<Mask>) -> Result<Measured, MeasureError> {
         self.prepare(mask).map(|object| object.measure())
     }
@@ -196,8 +198,8 @@ impl Measurement {
     /// Measures the level set phi = 0 of a field that is an embedding already.
     ///
     /// # Errors
-    /// [`MeasureError`] for parameters that make no sense, a field without negative voxels, or one of fewer than six
-    /// voxels along an axis.
+    /// [`MeasureError`] for parameters that make no sense, a field without negative voxels, or one of fewer
+    /// than six voxels along an axis.
     pub fn run_field(&self, field: impl Shared<FieldImage>) -> Result<Measured, MeasureError> {
         self.prepare_field(field).map(|object| object.measure())
     }

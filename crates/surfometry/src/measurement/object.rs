@@ -18,8 +18,8 @@ use crate::volume::{FieldImage, Grid, Mask, ProbabilityImage, Shared, VolumeErro
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-/// An object with its parameters filled in and its field set up: the one that is measured, mapped and shown. It owns what
-/// it needs, so that a thread or another language can hold it.
+/// An object with its parameters filled in and its field set up: the one that is measured, mapped and shown.
+/// It owns what it needs, so that a thread or another language can hold it.
 ///
 /// ```
 /// use surfometry::{Measurement, phantoms::Phantom};
@@ -53,8 +53,8 @@ pub(super) enum Content {
 }
 
 impl Measurement {
-    /// Sets up one object; with [`Clip::Exclude`](super::Clip::Exclude), and where the edge of its image cuts it, the part
-    /// between the cuts.
+    /// Sets up one object; with [`Clip::Exclude`](super::Clip::Exclude), and where the edge of its image cuts
+    /// it, the part between the cuts.
     ///
     /// # Errors
     /// [`MeasureError`] for an empty mask or parameters that make no sense.
@@ -79,8 +79,8 @@ impl Measurement {
     /// Sets up the level set phi = 0 of a field that is an embedding already.
     ///
     /// # Errors
-    /// [`MeasureError`] for parameters that make no sense, a field without negative voxels, or one of fewer than six
-    /// voxels along an axis.
+    /// [`MeasureError`] for parameters that make no sense, a field without negative voxels, or one of fewer
+    /// than six voxels along an axis.
     pub fn prepare_field(&self, field: impl Shared<FieldImage>) -> Result<Object, MeasureError> {
         let (field, start) = (field.shared(), Instant::now());
         let measurement = Self { embedding: EmbeddingKind::Given, ..*self };
@@ -124,13 +124,14 @@ impl Measurement {
 }
 
 impl Object {
-    /// The voxels: of a field, those where it is negative; of a soft segmentation, those whose values exceed the level.
+    /// The voxels: of a field, those where it is negative; of a soft segmentation, those whose values exceed
+    /// the level.
     pub fn mask(&self) -> &Mask {
         &self.mask
     }
 
-    /// The same under a control: once that says stop, whatever is asked of the object ends early and is not to be used.
-    /// [`Control::check`] tells.
+    /// The same under a control: once that says stop, whatever is asked of the object ends early and is not
+    /// to be used. [`Control::check`] tells.
     #[must_use]
     pub fn under(mut self, control: &Control) -> Self {
         self.setup.control = control.clone();
@@ -191,7 +192,7 @@ impl Object {
             }
             _ => parameters.shift_sigma().map_or(VertexExtras::None, |sigma| VertexExtras::Shift { sigma }),
         };
-        scheme.surface(self.grid(), &self.setup.band, &kind, self.region())
+        scheme.surface(self.grid(), &self.setup.band, &kind, self.region(), &self.setup.control)
     }
 
     /// The scheme, and |phi| at 0.6 voxels from a flat surface.
@@ -217,7 +218,8 @@ impl Object {
         self.part.map(|part| part.region)
     }
 
-    /// Integrals over phi = 0, and V, A, M and M / A of the original object, without mesh, topology and flags.
+    /// Integrals over phi = 0, and V, A, M and M / A of the original object, without mesh, topology and
+    /// flags.
     pub fn integrals(&self) -> [SurfaceValues; 2] {
         self.setup.values(&self.sums(false), self.open().as_ref())
     }
@@ -227,7 +229,8 @@ impl Object {
         self.setup.surviving(&self.sums(false))
     }
 
-    /// All numbers at other blurs, mm, the rest of the choices as they are; those that make no sense are left out.
+    /// All numbers at other blurs, mm, the rest of the choices as they are; those that make no sense are left
+    /// out.
     pub fn measure_at(&self, sigmas: &[f64]) -> Vec<Measured> {
         let counted = self.counted();
         let measured = |&sigma: &f64| {

@@ -19,7 +19,8 @@ pub enum EmbeddingKind {
     /// The blurred indicator (the paper).
     #[default]
     Gaussian,
-    /// The blurred indicator without the leading shift of its surface: curvature and position of the original object.
+    /// The blurred indicator without the leading shift of its surface: curvature and position of the original
+    /// object.
     Corrected,
     /// Signed distance to the voxel faces (the baseline that the paper rejects).
     Distance,
@@ -70,7 +71,8 @@ impl EmbeddingKind {
 pub enum Derivatives {
     /// Convolution with derivatives of the Gaussian.
     Gaussian,
-    /// Differences matched to the blur's spectrum: the same to 2e-4 in area from sigma = 1.75 voxels on, several times faster.
+    /// Differences matched to the blur's spectrum: the same to 2e-4 in area from sigma = 1.75 voxels on,
+    /// several times faster.
     Matched,
     /// Fourth-order differences (the paper).
     FiniteDifference,
@@ -276,7 +278,8 @@ impl Parameters {
         self.level.map_or(f64::INFINITY, saturation_at)
     }
 
-    /// The blur whose shift is to be compensated, 0 where it is taken off already; `None` where that is not defined.
+    /// The blur whose shift is to be compensated, 0 where it is taken off already; `None` where that is not
+    /// defined.
     pub(super) fn compensable_sigma(&self) -> Option<f64> {
         let sigma = self.sigma_mm.filter(|_| self.level == Some(0.5))?;
         Some(if self.embedding == EmbeddingKind::Corrected { 0.0 } else { sigma })

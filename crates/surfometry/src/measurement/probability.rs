@@ -9,15 +9,17 @@ use std::sync::Arc;
 use std::time::Instant;
 
 impl Measurement {
-    /// Sets up the object of a soft segmentation, phi = T - G_sigma * p ([`EmbeddingKind::Probability`], or the corrected one where that was chosen). Its voxels are
-    /// those whose values exceed the level, where T - p is negative.
+    /// Sets up the object of a soft segmentation, phi = T - G_sigma * p ([`EmbeddingKind::Probability`], or
+    /// the corrected one where that was chosen). Its voxels are those whose values exceed the level, where
+    /// T - p is negative.
     ///
-    /// Compensation takes the values for the shares of the voxels that the object fills, or for bits where all are 0 or 1
-    /// ([`SoftEdges`](crate::accuracy::SoftEdges)); then all numbers are those of [`Measurement::prepare`].
+    /// Compensation takes the values for the shares of the voxels that the object fills, or for bits where
+    /// all are 0 or 1 ([`SoftEdges`](crate::accuracy::SoftEdges)); then all numbers are those of
+    /// [`Measurement::prepare`].
     ///
     /// # Errors
-    /// [`MeasureError`] for parameters that make no sense, an image in which no value exceeds the level, or an object that its image cuts and of which the cut is
-    /// to be left out.
+    /// [`MeasureError`] for parameters that make no sense, an image in which no value exceeds the level, or
+    /// an object that its image cuts and of which the cut is to be left out.
     pub fn prepare_probability(&self, image: impl Shared<ProbabilityImage>) -> Result<Object, MeasureError> {
         let (image, start) = (image.shared(), Instant::now());
         let setup = Setup::of_probability(self, &image)?;

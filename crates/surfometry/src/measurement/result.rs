@@ -33,14 +33,14 @@ choices!(DescribedSurface, "surface": {
     Given = "given": "The zero level of a field that was given",
 });
 
-/// All results for one object, which [`Deref`](std::ops::Deref) to the numbers that one takes first: those of `surface`.
-/// `None` is a number that could not be had; a flag says why.
+/// All results for one object, which [`Deref`](std::ops::Deref) to the numbers that one takes first: those of
+/// `surface`. `None` is a number that could not be had; a flag says why.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Measured {
     /// Which surface `values` and `standard_error` describe.
     pub surface: DescribedSurface,
-    /// The numbers. The original's Euler characteristic is exact: that of its voxels, 26-connected, or, of the part
-    /// between cuts, that of the mesh; its bending energy cannot be had.
+    /// The numbers. The original's Euler characteristic is exact: that of its voxels, 26-connected, or, of
+    /// the part between cuts, that of the mesh; its bending energy cannot be had.
     #[serde(flatten)]
     pub values: SurfaceValues,
     /// Standard errors of `values`.
@@ -77,7 +77,8 @@ impl std::ops::Deref for Measured {
     }
 }
 
-/// Integrals over phi = 0, as the paper has them; its Euler characteristic is that of Gauss and Bonnet, a real number.
+/// Integrals over phi = 0, as the paper has them; its Euler characteristic is that of Gauss and Bonnet, a
+/// real number.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct BlurredValues {
     /// The integrals.
@@ -281,7 +282,8 @@ pub struct TopologySummary {
     pub cavities: u64,
     /// components + cavities - chi_26 / 2.
     pub handles: i64,
-    /// The Gauss-Bonnet characteristic that the band must see: the mean over its levels. `None` where it was not looked for.
+    /// The Gauss-Bonnet characteristic that the band must see: the mean over its levels. `None` where it was
+    /// not looked for.
     pub euler_characteristic_expected: Option<f64>,
     /// Where and what the blur and the band change; `None` where it was not looked for.
     pub changes: Option<Vec<LocatedChange>>,

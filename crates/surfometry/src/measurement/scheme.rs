@@ -4,6 +4,7 @@ use super::blur_bound::BlurBound;
 use super::pass::{ObjectSums, Pass};
 use super::setup::Setup;
 use super::{Derivatives, EmbeddingKind, MeasureError, Parameters};
+use crate::Control;
 use crate::embedding::{DistanceEmbedding, Embedding, GaussianEmbedding, Indicator};
 use crate::integrals::Band;
 use crate::local_geometry::{
@@ -96,7 +97,8 @@ impl<'a> Scheme<'a> {
         })
     }
 
-    /// Voxels around a box, on each side of each axis, in which an object must be known for what is summed over the box.
+    /// Voxels around a box, on each side of each axis, in which an object must be known for what is summed
+    /// over the box.
     pub(super) fn reach(&self, setup: &Setup) -> [i64; 3] {
         let half_width = setup.band.delta().half_width();
         let voxel = IndexBox::voxel([0; 3]);
@@ -123,8 +125,9 @@ impl<'a> Scheme<'a> {
         band: &Band,
         extras: &VertexExtras,
         region: Option<IndexBox>,
+        control: &Control,
     ) -> Surface {
-        with_scheme!(self, s => Surface::of(s, grid, band, extras, region))
+        with_scheme!(self, s => Surface::of(s, grid, band, extras, region, control))
     }
 
     /// The voxels of a tile where |phi| <= `half_width`, with the derivatives there.
@@ -138,7 +141,8 @@ impl<'a> Scheme<'a> {
     }
 }
 
-/// Whether a blur may leave something of an object in a box, of which `total` adds up its voxels; one that reaches over too many voxels is refused.
+/// Whether a blur may leave something of an object in a box, of which `total` adds up its voxels; one that
+/// reaches over too many voxels is refused.
 fn may_survive(setup: &Setup, bounds: &IndexBox, total: impl Fn() -> f64) -> Result<bool, MeasureError> {
     // A hair below the level, for what rounding adds.
     let level = setup.parameters.level_or_half() * (1.0 - 1e-6);

@@ -23,7 +23,8 @@ pub(super) struct Setup {
     pub(super) errors: Option<ErrorModel>,
     /// What the blur leaves of the voxels' steps; `None` where errors are.
     pub(super) terraces: Option<Terraces>,
-    /// What is known of the edges of a soft segmentation; `None` of a mask, and of one that holds nothing but zeros and ones.
+    /// What is known of the edges of a soft segmentation; `None` of a mask, and of one that holds nothing but
+    /// zeros and ones.
     pub(super) soft: Option<SoftEdges>,
     /// Who may stop what is done with it.
     pub(super) control: Control,

@@ -45,11 +45,13 @@ pub struct Streamed {
 }
 
 impl Measurement {
-    /// Measures the selected labels of an image as its slabs go by, in the memory of a layer of tiles with the slices around it. The
-    /// numbers are those of [`Measurement::run_labels`], bit by bit, for slabs of any size.
+    /// Measures the selected labels of an image as its slabs go by, in the memory of a layer of tiles with
+    /// the slices around it. The numbers are those of [`Measurement::run_labels`], bit by bit, for slabs of
+    /// any size.
     ///
     /// # Errors
-    /// [`StreamError`]: the source's own; a label that does not occur, an image without foreground, parameters that make no sense.
+    /// [`StreamError`]: the source's own; a label that does not occur, an image without foreground,
+    /// parameters that make no sense.
     pub fn run_slabs<R: SlabReader>(
         &self,
         reader: &mut R,
@@ -80,8 +82,8 @@ impl Measurement {
         let grid = *reader.grid();
         let setup = Setup { control: control.clone(), ..Setup::of_masks(self, grid)? };
         if Scheme::check_reach(&setup).is_err() || self.clip == Clip::Exclude {
-            // A blur so wide is refused, unless it is known to leave nothing: for that objects must be known as a whole. So must those that
-            // the image cuts, to be continued beyond it.
+            // A blur so wide is refused, unless it is known to leave nothing: for that objects must be known
+            // as a whole. So must those that the image cuts, to be continued beyond it.
             let start = Instant::now();
             let image = LabelImage::from_slabs(reader).map_err(StreamError::Read)?;
             let source_seconds = start.elapsed().as_secs_f64();

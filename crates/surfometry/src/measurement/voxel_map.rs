@@ -14,8 +14,8 @@ pub enum VoxelQuantity {
     MeanCurvature,
     /// K of the level set through a band voxel, 1/mm^2; 0 outside the band.
     GaussianCurvature,
-    /// Area of surface a volume of voxel, delta(phi) |grad phi|, 1/mm: summed over voxels times their volume it gives
-    /// the surface area, weighted by H the total mean curvature.
+    /// Area of surface a volume of voxel, delta(phi) |grad phi|, 1/mm: summed over voxels times their volume
+    /// it gives the surface area, weighted by H the total mean curvature.
     Delta,
     /// The embedding; a distance only near the surface, where it is needed: it is cut off a few voxels away.
     Phi,
@@ -45,9 +45,10 @@ choices!(VoxelQuantity, "voxel quantity": {
 });
 
 impl Object {
-    /// A quantity on a box of voxels, such as the whole image ([`Grid::index_box`](crate::volume::Grid::index_box)), which
-    /// may reach beyond it unless the field is given; `None` where the blur is known to leave nothing, so that there was no need to
-    /// make a field. In parallel over tiles; the same for any number of threads.
+    /// A quantity on a box of voxels, such as the whole image
+    /// ([`Grid::index_box`](crate::volume::Grid::index_box)), which may reach beyond it unless the field is
+    /// given; `None` where the blur is known to leave nothing, so that there was no need to make a field. In
+    /// parallel over tiles; the same for any number of threads.
     pub fn voxel_map(&self, quantity: VoxelQuantity, region: &IndexBox) -> Option<Block<f32>> {
         let scheme = self.scheme()?;
         let mut map = Block::filled(*region, 0.0);

@@ -5,7 +5,8 @@ use crate::tiling::IndexBox;
 use crate::volume::{Grid, Mask};
 use serde::{Deserialize, Serialize};
 
-/// Counts of an object's voxels. Sums of indices are whole numbers, so nothing is rounded before the last step.
+/// Counts of an object's voxels. Sums of indices are whole numbers, so nothing is rounded before the last
+/// step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) struct VoxelCounts {
     count: i128,
@@ -63,7 +64,8 @@ impl VoxelCounts {
         grid.index_box().holds(&self.bounds) && (0..=grid.voxel_count() as i128).contains(&self.count)
     }
 
-    /// Area of the voxels' faces on the image's first and last slice of each axis, mm^2: where the image cuts the object.
+    /// Area of the voxels' faces on the image's first and last slice of each axis, mm^2: where the image cuts
+    /// the object.
     pub(super) fn cut_areas(&self, grid: &Grid) -> [[f64; 2]; 3] {
         let (volume, spacing) = (grid.spacing().cell_volume(), grid.spacing().mm());
         std::array::from_fn(|axis| self.at_edge[axis].map(|voxels| voxels as f64 * volume / spacing[axis]))

@@ -35,9 +35,11 @@ pub(super) struct Evidence {
     pub(super) voxel_volume: f64,
     /// Exact Euler characteristic of the voxels' surface.
     pub(super) voxel_euler: i64,
-    /// Where the object, and where the gaps in it, are so narrow that the blurred edges of both sides meet in the band.
+    /// Where the object, and where the gaps in it, are so narrow that the blurred edges of both sides meet in
+    /// the band.
     pub(super) narrow: [Option<NarrowPlace>; 2],
-    /// Of a surface that is open where the image cuts the object, the curvature of its boundary (Gauss-Bonnet).
+    /// Of a surface that is open where the image cuts the object, the curvature of its boundary
+    /// (Gauss-Bonnet).
     pub(super) boundary_curvature: Option<f64>,
     /// Volume for the original object, mm^3.
     pub(super) compensated_volume: Option<f64>,
@@ -59,13 +61,14 @@ const THIN: f64 = 3.0;
 const VOLUME_TOLERANCE: f64 = 0.03;
 /// Relative difference of compensated and counted volume beyond which compensation has failed.
 const FAILED_VOLUME: f64 = 0.25;
-/// Relative difference of the band's and the mesh's area from which the band averages over more than one surface. On smooth
-/// shapes of 10 voxels' radius it is 0.3 %, of 5 voxels 3.6 %.
+/// Relative difference of the band's and the mesh's area from which the band averages over more than one
+/// surface. On smooth shapes of 10 voxels' radius it is 0.3 %, of 5 voxels 3.6 %.
 const MESH_TOLERANCE: f64 = 0.05;
-/// Share of the area along the grid from which on flat faces are told of. The terraces at the poles of a ball are up to 1.5 % after the plain blur, and 2.5 % in
-/// the corrected embedding at sigma = 2 voxels.
+/// Share of the area along the grid from which on flat faces are told of. The terraces at the poles of a ball
+/// are up to 1.5 % after the plain blur, and 2.5 % in the corrected embedding at sigma = 2 voxels.
 const FLAT_SHARE: f64 = 0.03;
-/// Thickness in units of sigma beyond which the corrected embedding's integrals are biased (at 2.5 by 12 % in V).
+/// Thickness in units of sigma beyond which the corrected embedding's integrals are biased (at 2.5 by 12 % in
+/// V).
 const CORRECTED_THICKNESS: f64 = 1.6;
 /// Share of the band's voxels in narrow places from which on they are told of.
 const NARROW_SHARE: f64 = 0.005;
@@ -176,8 +179,8 @@ fn band_flags(e: &Evidence) -> Vec<Flag> {
     flags
 }
 
-/// Where the band is sampled well, it and the mesh can only differ because it covers more than one surface. (An open mesh of a given
-/// field ends at voxel centres, and the band at their faces.)
+/// Where the band is sampled well, it and the mesh can only differ because it covers more than one surface.
+/// (An open mesh of a given field ends at voxel centres, and the band at their faces.)
 fn mesh_flag(e: &Evidence, plain: &Integrals) -> Option<Flag> {
     let mesh = e.mesh?;
     let (inside, sampled) =

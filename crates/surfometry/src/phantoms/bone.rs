@@ -1,4 +1,5 @@
-//! Bones as smooth unions of simple parts: every individual's are a little different, and their integrals are known.
+//! Bones as smooth unions of simple parts: every individual's are a little different, and their integrals are
+//! known.
 
 use super::bone_part::Part;
 use super::chance::Chance;
@@ -8,7 +9,8 @@ use super::{Shape, Truth, value_and_jet};
 
 /// A bone of an individual, made of parts that blend.
 ///
-/// Not an atlas: sizes and proportions are those of adults, so that curvature, thickness and topology are what a clinical scan holds.
+/// Not an atlas: sizes and proportions are those of adults, so that curvature, thickness and topology are
+/// what a clinical scan holds.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Bone {
     parts: Vec<Part>,
@@ -24,11 +26,13 @@ pub struct Bone {
 const RIM: f64 = 3.0;
 /// Spacing of the first lattice for integrals, mm.
 const STEP: f64 = 2.9;
-/// By how much V, A and M may change from one lattice to the next; they are then some thirty times better than that.
+/// By how much V, A and M may change from one lattice to the next; they are then some thirty times better
+/// than that.
 const TOLERANCE: f64 = 1e-4;
 
 impl Bone {
-    /// A right proximal femur, cut below the lesser trochanter as the paper's are: one component without handles.
+    /// A right proximal femur, cut below the lesser trochanter as the paper's are: one component without
+    /// handles.
     pub fn proximal_femur(individual: u32) -> Self {
         let mut vary = Individual::new(individual, 0);
         let size = vary.size();
@@ -43,8 +47,8 @@ impl Bone {
         Self { parts, canal: None, blend: 7.0, cut: Some(-44.0 + vary.by(4.0)) }.scaled(size)
     }
 
-    /// A fourth lumbar vertebra: one handle, the vertebral canal; `second_hole`: another one, in a transverse process, as two of the paper's have by contouring or by
-    /// anatomy.
+    /// A fourth lumbar vertebra: one handle, the vertebral canal; `second_hole`: another one, in a transverse
+    /// process, as two of the paper's have by contouring or by anatomy.
     pub fn lumbar_vertebra(individual: u32, second_hole: bool) -> Self {
         let mut vary = Individual::new(individual, 1);
         let size = vary.size();

@@ -15,7 +15,8 @@ pub(super) struct Part {
 enum Form {
     /// Half-axes.
     Ellipsoid([f64; 3]),
-    /// Half-axes of an elliptic disc with rounded rims, its height along z: a superellipsoid of exponent 6 there.
+    /// Half-axes of an elliptic disc with rounded rims, its height along z: a superellipsoid of exponent 6
+    /// there.
     Drum([f64; 3]),
     /// About z: radius of the circle, of the tube, and how many times as high as wide that is.
     Ring([f64; 3]),

@@ -17,7 +17,8 @@ impl Chance {
         (z ^ (z >> 31)) as f64 / 18_446_744_073_709_551_616.0
     }
 
-    /// About 0 with a standard deviation of half of `size`, at most one and a half: three even numbers, added.
+    /// About 0 with a standard deviation of half of `size`, at most one and a half: three even numbers,
+    /// added.
     pub(super) fn about_zero(&mut self, size: f64) -> f64 {
         size * (self.even() + self.even() + self.even() - 1.5)
     }

@@ -18,8 +18,10 @@ const JITTER: f64 = 0.15;
 
 /// Right proximal femurs and fourth lumbar vertebrae, numbered from 1.
 ///
-/// Each has a shape and size of its own, lies as a patient does (within some degrees), anywhere on the lattice, and has the spacing of a clinical scan as in the paper:
-/// 0.58 to 0.98 mm in plane (median 0.70), slices of 0.62 to 1.0 mm (median 0.625); its slices are shifted a little against each other, as contours drawn by hand are.
+/// Each has a shape and size of its own, lies as a patient does (within some degrees), anywhere on the
+/// lattice, and has the spacing of a clinical scan as in the paper: 0.58 to 0.98 mm in plane (median 0.70),
+/// slices of 0.62 to 1.0 mm (median 0.625); its slices are shifted a little against each other, as contours
+/// drawn by hand are.
 pub fn cohort(femurs: u32, vertebrae: u32) -> Vec<CohortMember> {
     let femur = |n: u32| member("femur", n, "");
     let holes = |n: u32| if SECOND_HOLES.contains(&n) { "&holes=2" } else { "" };

@@ -1,8 +1,8 @@
 //! Surface integrals of a smooth implicit surface, to quadrature precision.
 //!
-//! A lattice of tetrahedra cuts the surface into triangles. Each flat triangle is mapped onto the true surface along
-//! a field of directions that is shared along its edges, so the curved triangles cover the surface once, and
-//! Gauss points on them converge like the tenth power of the lattice's spacing.
+//! A lattice of tetrahedra cuts the surface into triangles. Each flat triangle is mapped onto the true
+//! surface along a field of directions that is shared along its edges, so the curved triangles cover the
+//! surface once, and Gauss points on them converge like the tenth power of the lattice's spacing.
 
 use super::{Shape, Truth};
 use crate::local_geometry::Curvature;
@@ -22,13 +22,13 @@ pub(crate) const GAUSS_5: [(f64, f64); 5] = [
 /// Refinements before giving up; each halves the lattice.
 const REFINEMENTS: i32 = 3;
 
-/// Cells of a lattice, and of those the ones that the surface cuts, beyond which it is not tried: some fifteen seconds
-/// on two cores.
+/// Cells of a lattice, and of those the ones that the surface cuts, beyond which it is not tried: some
+/// fifteen seconds on two cores.
 const MOST_CELLS: usize = 4_000_000;
 const MOST_CUT_CELLS: usize = 200_000;
 
-/// How far total K / 2 pi may be from an even integer, per unit of chi's size, for a quadrature to be believed; it
-/// is the most sensitive of the integrals.
+/// How far total K / 2 pi may be from an even integer, per unit of chi's size, for a quadrature to be
+/// believed; it is the most sensitive of the integrals.
 const GAUSS_BONNET_TOLERANCE: f64 = 1e-7;
 
 type Vector = [f64; 3];
@@ -65,7 +65,8 @@ impl Sums {
     }
 }
 
-/// Exact integrals of a shape, from a lattice of spacing about `step` mm, refined until Gauss and Bonnet agree.
+/// Exact integrals of a shape, from a lattice of spacing about `step` mm, refined until Gauss and Bonnet
+/// agree.
 pub(crate) fn integrate_surface<S: Shape + ?Sized>(shape: &S, step: f64) -> Option<Truth> {
     (0..=REFINEMENTS).find_map(|n| {
         let sums = on_lattice(shape, step * 0.5f64.powi(n))?;
@@ -74,7 +75,8 @@ pub(crate) fn integrate_surface<S: Shape + ?Sized>(shape: &S, step: f64) -> Opti
     })
 }
 
-/// The same until V, A and M change by less than a share `tolerance` from one lattice to the next: for shapes with narrow blends, of which K takes very fine lattices.
+/// The same until V, A and M change by less than a share `tolerance` from one lattice to the next: for shapes
+/// with narrow blends, of which K takes very fine lattices.
 pub(crate) fn integrate_until_steady<S: Shape + ?Sized>(
     shape: &S,
     step: f64,
@@ -204,8 +206,8 @@ fn triangles<S: Shape + ?Sized>(shape: &S, corners: [(Vector, f64); 4]) -> Vec<[
     }
 }
 
-/// Where the surface crosses an edge: the Illinois variant of false position, which brackets the crossing and gives
-/// the same point to all who share the edge.
+/// Where the surface crosses an edge: the Illinois variant of false position, which brackets the crossing and
+/// gives the same point to all who share the edge.
 fn surface_vertex<S: Shape + ?Sized>(shape: &S, inside: (Vector, f64), outside: (Vector, f64)) -> Vertex {
     let at = |t: f64| combine([(1.0 - t, inside.0), (t, outside.0)]);
     let (mut low, mut high) = ((0.0, inside.1), (1.0, outside.1));

@@ -59,8 +59,9 @@ fn on_panels(f: impl Fn([f64; 3]) -> f64, panels: u32) -> f64 {
 impl Shape for Ellipsoid {
     value_and_jet!();
 
-    /// Area and mean curvature are elliptic integrals, taken here over the unit sphere of directions u: the surface
-    /// is D u, so dA = det(D) |D^-1 u| du; and M of a convex body is the integral of its support function |D u|.
+    /// Area and mean curvature are elliptic integrals, taken here over the unit sphere of directions u: the
+    /// surface is D u, so dA = det(D) |D^-1 u| du; and M of a convex body is the integral of its support
+    /// function |D u|.
     fn truth(&self) -> Option<Truth> {
         let product: f64 = self.radii.iter().product();
         let length = |f: [f64; 3], u: [f64; 3]| libm::sqrt((0..3).map(|a| (f[a] * u[a]).powi(2)).sum());

@@ -6,8 +6,8 @@ use std::f64::consts::PI;
 
 /// A flat stadium with `genus` round holes in a row along x, dilated by a ball: chi = 2 - 2 genus.
 ///
-/// All is known in closed form (Steiner's formula for a plane region in space). Rims are tubes of radius `minor`,
-/// holes are `major` wide after the dilation.
+/// All is known in closed form (Steiner's formula for a plane region in space). Rims are tubes of radius
+/// `minor`, holes are `major` wide after the dilation.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Genus {
     /// Number of holes.
@@ -40,7 +40,8 @@ impl Genus {
     }
 
     fn implicit<T: Smooth>(&self, [x, y, z]: [T; 3]) -> T {
-        // Distance outside the stadium's rim, then into the nearest hole, in the plane; whichever is outside counts.
+        // Distance outside the stadium's rim, then into the nearest hole, in the plane; whichever is outside
+        // counts.
         let half = self.half_length();
         let along = x.abs() + -half;
         let stadium = if along.value() > 0.0 { norm([along, y]) } else { y.abs() } + -self.rim();
@@ -63,8 +64,8 @@ impl Genus {
 impl Shape for Genus {
     value_and_jet!();
 
-    /// A plane region of area S, rim length L and Euler number X dilated by r: V = 2 r S + pi/2 r^2 L + 4/3 pi r^3 X,
-    /// A = dV/dr, M = (dA/dr) / 2.
+    /// A plane region of area S, rim length L and Euler number X dilated by r: V = 2 r S + pi/2 r^2 L + 4/3
+    /// pi r^3 X, A = dV/dr, M = (dA/dr) / 2.
     fn truth(&self) -> Option<Truth> {
         let (r, n) = (self.minor, f64::from(self.genus));
         let straight = 2.0 * self.half_length();

@@ -1,7 +1,7 @@
 //! Arithmetic that carries first and second derivatives along, so that a shape is written once, as a formula.
 //!
-//! Elementary functions are std's, several times as fast as `libm`: shapes are evaluated millions of times, and the
-//! last bit does not matter to them.
+//! Elementary functions are std's, several times as fast as `libm`: shapes are evaluated millions of times,
+//! and the last bit does not matter to them.
 //!
 //! Own code because the crate for it (`num-dual`) brings nalgebra for what are sixty lines here.
 

@@ -1,8 +1,8 @@
 //! Analytic shapes with exact truth, as public API: to test this crate, or any other estimator, against.
 //!
-//! A [`Shape`] is an implicit function with analytic derivatives and known integrals; a [`Phantom`] is a shape in a
-//! pose, sampled on a grid ([`Phantom::labels`]). `phantom:NAME?key=value&...` ([`Phantom::from_spec`]) is its
-//! text form.
+//! A [`Shape`] is an implicit function with analytic derivatives and known integrals; a [`Phantom`] is a
+//! shape in a pose, sampled on a grid ([`Phantom::labels`]). `phantom:NAME?key=value&...`
+//! ([`Phantom::from_spec`]) is its text form.
 
 mod bone;
 mod bone_part;

@@ -38,7 +38,8 @@ impl Periodic {
             }
             MinimalSurface::SchwarzP => (q[0].cos() + q[1].cos() + q[2].cos()) * (0.7 / wave),
         };
-        // A superellipsoid of exponent 6, nearly a distance; CORE keeps the sixth root analytic at the centre.
+        // A superellipsoid of exponent 6, nearly a distance; CORE keeps the sixth root analytic at the
+        // centre.
         let half = self.size / 2.0;
         let sixth = |v: T| {
             let square = (v * (1.0 / half)).square();

@@ -33,8 +33,8 @@ impl Phantom {
         Ok(Self { shape: Box::new(shape), pose, grid: Grid::new(dimensions, affine)?, jitter: 0.0 })
     }
 
-    /// The same with slices along z that are shifted against each other in plane, as hand-drawn contours are, by a standard deviation of some mm. The truth stays that of
-    /// the shape.
+    /// The same with slices along z that are shifted against each other in plane, as hand-drawn contours are,
+    /// by a standard deviation of some mm. The truth stays that of the shape.
     #[must_use]
     pub fn with_jitter(self, mm: f64) -> Self {
         Self { jitter: mm, ..self }

@@ -70,7 +70,8 @@ impl Phantom {
         input.starts_with("phantom:")
     }
 
-    /// Reads `phantom:NAME?key=value&...`; docs/contract.md has the keys. All keys are optional; lengths in mm.
+    /// Reads `phantom:NAME?key=value&...`; docs/contract.md has the keys. All keys are optional; lengths in
+    /// mm.
     ///
     /// # Errors
     /// [`ParsePhantomError`], which says what is accepted instead.

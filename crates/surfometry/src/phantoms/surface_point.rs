@@ -18,13 +18,15 @@ pub struct SurfacePoint {
 const STEPS: usize = 40;
 /// A step so small, in units of the way to the surface and of the shape's size, ends the search.
 const SMALL: f64 = 1e-7;
-/// Share of the way along the surface that a step takes: all of it overshoots where the surface is curved towards the point.
+/// Share of the way along the surface that a step takes: all of it overshoots where the surface is curved
+/// towards the point.
 const DAMPING: f64 = 0.7;
 /// Cells across the smallest half-extent of the lattice that the mean curvature of a shape is taken on.
 const CELLS: f64 = 16.0;
 
 impl Phantom {
-    /// The surface beside a world point that lies nearer to it than its radius of curvature; `None` where no normal leads there.
+    /// The surface beside a world point that lies nearer to it than its radius of curvature; `None` where no
+    /// normal leads there.
     pub fn surface_point(&self, world: [f64; 3]) -> Option<SurfacePoint> {
         let start = self.pose().to_shape(world);
         let small = SMALL * self.shape().half_extent().into_iter().fold(0.0, f64::max);
@@ -47,7 +49,8 @@ impl Phantom {
         distance.is_finite().then_some(SurfacePoint { distance, curvature })
     }
 
-    /// 1 / R of the whole surface: the root of the mean over the surface of the square of the larger principal curvature, 1/mm.
+    /// 1 / R of the whole surface: the root of the mean over the surface of the square of the larger
+    /// principal curvature, 1/mm.
     pub fn rms_curvature(&self) -> f64 {
         let smallest = self.shape().half_extent().into_iter().fold(f64::INFINITY, f64::min);
         let sums = Lattice::new(self.shape(), smallest / CELLS).sums();
@@ -64,7 +67,8 @@ mod tests {
     fn beside_a_torus_that_is_turned() {
         let pose = Pose::new([20.0, -35.0, 50.0], [1.0, 2.0, 3.0]);
         let phantom = Phantom::new(Torus { major: 30.0, minor: 10.0 }, pose, [1.0; 3]).unwrap();
-        // A point outside the outer equator, then one inside the tube beside the inner one, turned into the world by brute force.
+        // A point outside the outer equator, then one inside the tube beside the inner one, turned into the
+        // world by brute force.
         for (target, distance, curvature) in
             [([41.5, 0.0, 0.0], 1.5, [0.1, 1.0 / 40.0]), ([0.0, 20.7, 0.0], -0.7, [0.1, -1.0 / 20.0])]
         {

@@ -17,7 +17,8 @@ pub struct Camera {
 }
 
 impl Camera {
-    /// Pixel coordinates, x to the right and y down from the upper left corner, and the depth in mm toward the viewer.
+    /// Pixel coordinates, x to the right and y down from the upper left corner, and the depth in mm toward
+    /// the viewer.
     pub fn project(&self, point: [f64; 3]) -> [f64; 3] {
         let [x, y, z] = self.basis.coordinates(minus(point, self.center));
         let [width, height] = self.size.map(|n| n as f64);

@@ -1,7 +1,7 @@
 //! Parts of an SVG document.
 //!
-//! Written by hand: rectangles, lines, texts and embedded rasters need no document model. Nothing has an id, so that several
-//! figures can stand in one HTML page.
+//! Written by hand: rectangles, lines, texts and embedded rasters need no document model. Nothing has an id,
+//! so that several figures can stand in one HTML page.
 
 use std::fmt::Write;
 

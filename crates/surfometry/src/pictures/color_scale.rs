@@ -13,11 +13,11 @@ const SHOWN: f64 = 0.98;
 /// Which way colours run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ScaleKind {
-    /// Blue below zero, light grey at zero, red above: Moreland's cool-warm (ISVC 2009). Lightness falls evenly to both
-    /// sides. For quantities with a sign.
+    /// Blue below zero, light grey at zero, red above: Moreland's cool-warm (ISVC 2009). Lightness falls
+    /// evenly to both sides. For quantities with a sign.
     Diverging,
-    /// From dark violet to yellow: viridis (van der Walt and Smith 2015), lightness rising evenly. For quantities that are
-    /// never negative.
+    /// From dark violet to yellow: viridis (van der Walt and Smith 2015), lightness rising evenly. For
+    /// quantities that are never negative.
     Sequential,
 }
 
@@ -29,15 +29,15 @@ pub struct ColorScale {
 }
 
 impl ColorScale {
-    /// From `-limit` to `limit` (diverging) or from 0 to `limit` (sequential). A limit that is not positive and finite is
-    /// replaced by 1: there is nothing to tell apart then.
+    /// From `-limit` to `limit` (diverging) or from 0 to `limit` (sequential). A limit that is not positive
+    /// and finite is replaced by 1: there is nothing to tell apart then.
     pub fn new(kind: ScaleKind, limit: f64) -> Self {
         Self { kind, limit: if limit.is_finite() && limit > 0.0 { limit } else { 1.0 } }
     }
 
-    /// Limits from data: the weighted 98th percentile of the values' magnitudes, rounded up to a round number, so that a
-    /// few spikes do not bleach the rest. Weights are the vertices' areas; without any (`&[]`) all values count the same.
-    /// Values that are not finite are passed over.
+    /// Limits from data: the weighted 98th percentile of the values' magnitudes, rounded up to a round
+    /// number, so that a few spikes do not bleach the rest. Weights are the vertices' areas; without any
+    /// (`&[]`) all values count the same. Values that are not finite are passed over.
     pub fn robust(kind: ScaleKind, values: &[f64], weights: &[f64]) -> Self {
         let percentile = magnitude_percentile(values, weights, SHOWN);
         Self::new(kind, if percentile > 0.0 { round_up(percentile) } else { 1.0 })
@@ -72,8 +72,8 @@ impl ColorScale {
         values.par_iter().map(|v| self.rgb(*v)).collect()
     }
 
-    /// `count` (at least 2) evenly spaced colours with their places, from 0 at the lower limit to 1 at the upper: what
-    /// plotly and others take as a colour scale.
+    /// `count` (at least 2) evenly spaced colours with their places, from 0 at the lower limit to 1 at the
+    /// upper: what plotly and others take as a colour scale.
     pub fn stops(&self, count: usize) -> Vec<(f64, [u8; 3])> {
         let [low, high] = self.limits();
         let last = count.max(2) - 1;

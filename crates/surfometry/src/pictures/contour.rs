@@ -2,10 +2,12 @@
 
 use crate::surface::inside_is_joined;
 
-/// Segments along which values (u fastest, `size` of them) pass 0, both ends in voxels from the first one's centre.
+/// Segments along which values (u fastest, `size` of them) pass 0, both ends in voxels from the first one's
+/// centre.
 ///
-/// Linear along the sides of the squares between voxels; where corners are inside and outside in turn, the sign in the
-/// middle decides (the bilinear saddle's), so that this is the trace of the surface's mesh in the plane.
+/// Linear along the sides of the squares between voxels; where corners are inside and outside in turn, the
+/// sign in the middle decides (the bilinear saddle's), so that this is the trace of the surface's mesh in the
+/// plane.
 pub(super) fn contour(values: &[f32], [nu, nv]: [usize; 2]) -> Vec<[[f64; 2]; 2]> {
     let mut segments = Vec::new();
     for v in 0..nv.saturating_sub(1) {
@@ -19,7 +21,8 @@ pub(super) fn contour(values: &[f32], [nu, nv]: [usize; 2]) -> Vec<[[f64; 2]; 2]
             match crossings[..] {
                 [a, b] => segments.push([a, b]),
                 [a, b, c, d] => {
-                    // The inside corners are connected where the saddle is inside; the other two are then cut off.
+                    // The inside corners are connected where the saddle is inside; the other two are then cut
+                    // off.
                     let first_connected = inside_is_joined(at) == (at[0] < 0.0);
                     segments.extend(if first_connected { [[a, b], [c, d]] } else { [[d, a], [b, c]] });
                 }

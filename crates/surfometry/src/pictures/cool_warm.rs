@@ -1,9 +1,10 @@
 //! The cool-warm diverging scale.
 //!
-//! Moreland's scale (Diverging Color Maps for Scientific Visualization, ISVC 2009) runs from blue over light grey to red
-//! along straight lines in Msh, the polar form of CIELAB. No crate carries it; the diverging schemes of `colorous` and
-//! `colorgrad` are splines through ColorBrewer's nine or eleven hand-picked colours, whose lightness is not even, and none
-//! is as dark at one end as at the other. A formula of some forty lines is also exact at any number of steps.
+//! Moreland's scale (Diverging Color Maps for Scientific Visualization, ISVC 2009) runs from blue over light
+//! grey to red along straight lines in Msh, the polar form of CIELAB. No crate carries it; the diverging
+//! schemes of `colorous` and `colorgrad` are splines through ColorBrewer's nine or eleven hand-picked
+//! colours, whose lightness is not even, and none is as dark at one end as at the other. A formula of some
+//! forty lines is also exact at any number of steps.
 
 use libm::{cos, pow, sin, sqrt};
 use std::sync::LazyLock;

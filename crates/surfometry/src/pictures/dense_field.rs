@@ -3,13 +3,15 @@
 /// Cells along a brick's edge.
 const BRICK: usize = 4;
 
-/// Values at all voxels of a block, x fastest, and trilinear interpolation between them. Positions are voxel indices.
+/// Values at all voxels of a block, x fastest, and trilinear interpolation between them. Positions are voxel
+/// indices.
 pub(crate) struct DenseField<'a> {
     dimensions: [usize; 3],
     values: &'a [f32],
 }
 
-/// The cell of eight voxels around a position: where its first is stored, and the position's share of the way to the next.
+/// The cell of eight voxels around a position: where its first is stored, and the position's share of the way
+/// to the next.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Cell {
     first: usize,
@@ -66,8 +68,8 @@ impl<'a> DenseField<'a> {
         (total > 0.0 && sum.is_finite()).then_some(sum / total)
     }
 
-    /// Central differences over two voxels of the interpolated field, per voxel: smooth across the faces of cells, which
-    /// the interpolant's own derivative is not. One-sided at the block's rim.
+    /// Central differences over two voxels of the interpolated field, per voxel: smooth across the faces of
+    /// cells, which the interpolant's own derivative is not. One-sided at the block's rim.
     pub(crate) fn gradient(&self, position: [f64; 3]) -> [f64; 3] {
         std::array::from_fn(|a| {
             let moved = |step: f64| {
@@ -108,8 +110,8 @@ impl EmptyBricks {
         Self { counts, empty }
     }
 
-    /// How many steps a ray may go on from a position within the block until it leaves a brick that holds nothing; 0 if
-    /// the brick holds something.
+    /// How many steps a ray may go on from a position within the block until it leaves a brick that holds
+    /// nothing; 0 if the brick holds something.
     pub(crate) fn passable_steps(&self, position: [f64; 3], direction: [f64; 3]) -> i64 {
         let brick = |a: usize| (position[a].max(0.0) as usize / BRICK).min(self.counts[a] - 1);
         let [x, y, z] = [brick(0), brick(1), brick(2)];

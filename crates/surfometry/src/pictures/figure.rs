@@ -11,7 +11,8 @@ use super::raster::Raster;
 /// The most pixels that [`Figure::to_png`] draws: 800 MB.
 const MOST_PIXELS: f64 = 2e8;
 
-/// A picture as an SVG document: text and lines as such, rendered surfaces embedded. It refers to nothing outside itself.
+/// A picture as an SVG document: text and lines as such, rendered surfaces embedded. It refers to nothing
+/// outside itself.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Figure {
     pub(crate) svg: String,
@@ -35,8 +36,8 @@ impl Figure {
         self.height
     }
 
-    /// As a PNG file with `dpi_scale` times 96 pixels an inch (3 for print), drawn by resvg with DejaVu Sans: no display, no
-    /// browser and no installed font takes part, so the bits are the same everywhere.
+    /// As a PNG file with `dpi_scale` times 96 pixels an inch (3 for print), drawn by resvg with DejaVu Sans:
+    /// no display, no browser and no installed font takes part, so the bits are the same everywhere.
     ///
     /// # Errors
     /// A scale that is not positive, or one that makes more than 2e8 pixels.

@@ -1,4 +1,5 @@
-//! Pictures for papers and reports, drawn without a display: a [`Figure`] is an SVG document, and PNG comes from it.
+//! Pictures for papers and reports, drawn without a display: a [`Figure`] is an SVG document, and PNG comes
+//! from it.
 
 mod agreement_chart;
 mod axes;

@@ -193,15 +193,16 @@ fn slices_figure(object: &Object, style: &PictureStyle, caption: &str) -> Result
     .figure()
 }
 
-/// Of a world axis: the name of the slices across it, and the directions at their left, right, bottom and top, as
-/// radiologists look at them.
+/// Of a world axis: the name of the slices across it, and the directions at their left, right, bottom and
+/// top, as radiologists look at them.
 const PLANES: [(&str, [char; 4]); 3] =
     [("Sagittal", ['A', 'P', 'I', 'S']), ("Coronal", ['R', 'L', 'I', 'S']), ("Axial", ['R', 'L', 'P', 'A'])];
 
 /// Cosine of the angle to a world axis, 5 degrees, beyond which a slice is called oblique.
 const NEARLY: f64 = 0.9962;
 
-/// The slice through the middle of the object's box, of those image slices that lie most nearly across a world axis.
+/// The slice through the middle of the object's box, of those image slices that lie most nearly across a
+/// world axis.
 fn slice(object: &Object, world: usize) -> Option<Slice> {
     let affine = object.grid().affine();
     let axes = affine.nearest_axes();

@@ -15,7 +15,8 @@ pub enum Background {
     Transparent,
 }
 
-/// Pixels, row by row from the upper left corner: red, green, blue (sRGB) and alpha (not multiplied in), a byte each.
+/// Pixels, row by row from the upper left corner: red, green, blue (sRGB) and alpha (not multiplied in), a
+/// byte each.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Raster {
     /// Pixels in a row.

@@ -65,7 +65,8 @@ impl<'a> Marcher<'a> {
         })
     }
 
-    /// One ray a pixel; rows in parallel, each pixel on its own, so the bits do not depend on the number of threads.
+    /// One ray a pixel; rows in parallel, each pixel on its own, so the bits do not depend on the number of
+    /// threads.
     pub(crate) fn render(&self, camera: &Camera, background: Background) -> Raster {
         let [width, height] = camera.size;
         let row = |y: usize| -> Vec<u8> {

@@ -3,8 +3,8 @@
 use super::canvas::{Anchor, Canvas, INK, SMALL};
 use super::ticks::{round_down, short};
 
-/// Draws a bar of a round length near a fifth of `width`, its left end at a position, and the length to its right.
-/// Nothing where a pixel has no size.
+/// Draws a bar of a round length near a fifth of `width`, its left end at a position, and the length to its
+/// right. Nothing where a pixel has no size.
 pub(crate) fn draw_scale_bar(canvas: &mut Canvas, [x, y]: [f64; 2], width: f64, mm_per_unit: f64) {
     let wanted = 0.3 * width * mm_per_unit;
     if !(wanted.is_finite() && wanted > 0.0) {

@@ -6,12 +6,13 @@ const AMBIENT: f32 = 0.42;
 const HEAD: f32 = 0.40;
 /// Light from above.
 const KEY: f32 = 0.26;
-/// Where that comes from: right, up, toward the viewer. In the middle plane, so that left and right look alike.
+/// Where that comes from: right, up, toward the viewer. In the middle plane, so that left and right look
+/// alike.
 const KEY_DIRECTION: [f32; 3] = [0.0, 0.6, 0.8];
 
-/// Share of the light that a place sends to the viewer; its normal in components along right, up and toward the viewer,
-/// of any length. Diffuse only (a highlight would bleach the colour), in linear light, so that hue stays; never above 1, so that
-/// nothing is brighter than on the colour bar.
+/// Share of the light that a place sends to the viewer; its normal in components along right, up and toward
+/// the viewer, of any length. Diffuse only (a highlight would bleach the colour), in linear light, so that
+/// hue stays; never above 1, so that nothing is brighter than on the colour bar.
 pub(crate) fn brightness([x, y, z]: [f32; 3]) -> f32 {
     let length = libm::sqrtf(x * x + y * y + z * z);
     if length.is_nan() || length == 0.0 {

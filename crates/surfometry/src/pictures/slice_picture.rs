@@ -36,7 +36,8 @@ pub struct Slice {
     pub contour: Vec<[[f64; 2]; 2]>,
 }
 
-/// Slices, each as mask and as embedding, with the contour on both. Voxels are drawn as they are, without interpolation.
+/// Slices, each as mask and as embedding, with the contour on both. Voxels are drawn as they are, without
+/// interpolation.
 #[derive(Debug, Clone, Copy)]
 pub struct SlicePicture<'a> {
     /// The slices: three orthogonal ones as a rule.
@@ -52,7 +53,8 @@ pub struct SlicePicture<'a> {
 }
 
 impl SlicePicture<'_> {
-    /// Draws it: a slice's mask and embedding side by side or one above the other, whichever is larger; all at one scale.
+    /// Draws it: a slice's mask and embedding side by side or one above the other, whichever is larger; all
+    /// at one scale.
     ///
     /// # Errors
     /// Only if the PNG encoder fails.

@@ -1,9 +1,9 @@
 //! Meshes as pixels.
 //!
-//! A z-buffer of our own: the renderers that are kept (`wgpu`, `three-d`) need a GPU or a window system, and their pixels
-//! differ from driver to driver. What a figure needs is small: one mesh, colours at vertices, a parallel projection. Rows are
-//! drawn in bands in parallel; within a band triangles come in their order and the first of equally near ones stays, so
-//! the bits do not depend on the number of threads.
+//! A z-buffer of our own: the renderers that are kept (`wgpu`, `three-d`) need a GPU or a window system, and
+//! their pixels differ from driver to driver. What a figure needs is small: one mesh, colours at vertices, a
+//! parallel projection. Rows are drawn in bands in parallel; within a band triangles come in their order and
+//! the first of equally near ones stays, so the bits do not depend on the number of threads.
 
 use rayon::prelude::*;
 
@@ -30,8 +30,8 @@ pub struct ColoredSurface<'a> {
     pub normals: &'a [[f64; 3]],
 }
 
-/// Draws a surface: hidden parts removed, colours and normals interpolated, nine samples a pixel averaged in linear light.
-/// Both sides of a triangle are drawn.
+/// Draws a surface: hidden parts removed, colours and normals interpolated, nine samples a pixel averaged in
+/// linear light. Both sides of a triangle are drawn.
 pub fn render_surface(surface: &ColoredSurface, camera: &Camera, background: Background) -> Raster {
     let [width, height] = camera.size;
     let scene = Scene::new(surface, camera);
@@ -106,7 +106,8 @@ impl<'a> Scene<'a> {
         pixels.flat_map(|pixel| self.pixel(&band, pixel).on(background)).collect()
     }
 
-    /// Mean of a pixel's samples. Those of one triangle are shaded once, at their middle: within a pixel only edges matter.
+    /// Mean of a pixel's samples. Those of one triangle are shaded once, at their middle: within a pixel only
+    /// edges matter.
     fn pixel(&self, band: &Band, [x, y]: [usize; 2]) -> Light {
         let mut parts = [(NONE, 0u32, [0.0; 2]); SAMPLES * SAMPLES];
         for row in y * SAMPLES..(y + 1) * SAMPLES {
@@ -203,8 +204,8 @@ fn doubled_area([a, b, c]: [[f64; 3]; 3]) -> f64 {
     (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
 }
 
-/// Doubled areas opposite to each corner: barycentric coordinates up to the triangle's own. An edge shared by two
-/// triangles gives the same number to both up to its sign, so no sample falls between them.
+/// Doubled areas opposite to each corner: barycentric coordinates up to the triangle's own. An edge shared by
+/// two triangles gives the same number to both up to its sign, so no sample falls between them.
 fn weights([a, b, c]: [[f64; 3]; 3], at: [f64; 2]) -> [f64; 3] {
     let side = |p: [f64; 3], q: [f64; 3]| {
         let (p, q, sign) = if (p[0], p[1]) <= (q[0], q[1]) { (p, q, 1.0) } else { (q, p, -1.0) };

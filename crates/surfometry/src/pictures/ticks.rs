@@ -8,7 +8,8 @@ pub(crate) struct Ticks {
 }
 
 impl Ticks {
-    /// Multiples of a round step within limits: near `count` of them, and on the limits themselves where that can be had.
+    /// Multiples of a round step within limits: near `count` of them, and on the limits themselves where that
+    /// can be had.
     pub(crate) fn new([low, high]: [f64; 2], count: usize) -> Self {
         let span = high - low;
         if !(span.is_finite() && span > 0.0) {

@@ -59,7 +59,8 @@ impl View {
         Basis { right, up: cross(toward, right), toward }
     }
 
-    /// Letters (L, R, A, P, I, S) at the picture's left, right, bottom and top; none where the axes are oblique.
+    /// Letters (L, R, A, P, I, S) at the picture's left, right, bottom and top; none where the axes are
+    /// oblique.
     pub fn letters(self) -> Option<[char; 4]> {
         let Basis { right, up, .. } = self.basis();
         Some([letter(right.map(|v| -v))?, letter(right)?, letter(up.map(|v| -v))?, letter(up)?])

@@ -34,7 +34,8 @@ fn content(prospect: &Prospect) -> Content {
     Content { extent: prospect.extent, rim, least_width: text_width(prospect.view.word(), LABEL) }
 }
 
-/// Picture, name and directions of a view; `render` is told how far above the panel's middle the object is to be.
+/// Picture, name and directions of a view; `render` is told how far above the panel's middle the object is to
+/// be.
 fn draw_panel(
     canvas: &mut Canvas,
     prospect: &Prospect,

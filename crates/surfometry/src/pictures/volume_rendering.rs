@@ -19,11 +19,11 @@ use crate::volume::Affine;
 /// Rays a picture unit (192 an inch): the layer is smooth, so more would cost much and show little.
 const DENSITY: f64 = 2.0;
 
-/// The paper's volume rendering: parallel rays through the embedding, whose opacity is the smeared Heaviside of -phi
-/// and whose colour is a quantity's.
+/// The paper's volume rendering: parallel rays through the embedding, whose opacity is the smeared Heaviside
+/// of -phi and whose colour is a quantity's.
 ///
-/// Rays sample phi trilinearly at half the smallest spacing, from front to back; theta(-phi) is the opacity of one smallest
-/// spacing. Shading follows the gradient of phi.
+/// Rays sample phi trilinearly at half the smallest spacing, from front to back; theta(-phi) is the opacity
+/// of one smallest spacing. Shading follows the gradient of phi.
 #[derive(Debug, Clone, Copy)]
 pub struct VolumeRendering<'a> {
     /// Voxels of the block, x first.

@@ -7,9 +7,10 @@ use crate::volume::Mask;
 use rayon::prelude::*;
 use std::f64::consts::PI;
 
-/// A from crossings along lattice lines, M from the Euler characteristics of lattice planes, with weights by shares of the sphere (Ohser and Mücklich 2000), for
-/// any spacing. Right on the mean over orientations; a flat face along the grid is off by up to 10 % (13 directions) or 50 % (3). Where spacings differ by 2, curved shapes' A is off by
-/// up to 1.5 %, their M by up to 4 %.
+/// A from crossings along lattice lines, M from the Euler characteristics of lattice planes, with weights by
+/// shares of the sphere (Ohser and Mücklich 2000), for any spacing. Right on the mean over orientations; a
+/// flat face along the grid is off by up to 10 % (13 directions) or 50 % (3). Where spacings differ by 2,
+/// curved shapes' A is off by up to 1.5 %, their M by up to 4 %.
 #[derive(Debug, Clone, Copy)]
 pub enum Crofton {
     /// Along the axes.
@@ -80,7 +81,8 @@ impl ReferenceMethod for Crofton {
     }
 }
 
-/// Lines along a step of length l are hit twice as often as the surface is projected along them, and there are l / V of them to an area.
+/// Lines along a step of length l are hit twice as often as the surface is projected along them, and there
+/// are l / V of them to an area.
 fn area(mask: &Mask, steps: &[[i64; 3]]) -> f64 {
     let h = mask.grid().spacing().mm();
     let vectors: Vec<[f64; 3]> = steps.iter().map(|step| scaled(*step, h)).collect();
@@ -95,7 +97,8 @@ fn area(mask: &Mask, steps: &[[i64; 3]]) -> f64 {
     steps.iter().zip(&vectors).zip(shares).map(of_direction).sum()
 }
 
-/// The mean breadth along a normal is the integral of the sections' Euler characteristics; M is 2 pi times its mean over normals.
+/// The mean breadth along a normal is the integral of the sections' Euler characteristics; M is 2 pi times
+/// its mean over normals.
 fn total_mean_curvature(mask: &Mask, planes: &[[[i64; 3]; 2]]) -> f64 {
     let h = mask.grid().spacing().mm();
     let normals: Vec<[f64; 3]> = planes.iter().map(|[a, b]| cross(scaled(*a, h), scaled(*b, h))).collect();
@@ -108,8 +111,8 @@ fn total_mean_curvature(mask: &Mask, planes: &[[[i64; 3]; 2]]) -> f64 {
     planes.iter().zip(&normals).zip(shares).map(of_plane).sum()
 }
 
-/// Sum over all planes that two steps span of the Euler characteristic of the section, triangulated along the shorter diagonal of the steps; along either, on the mean, where they are
-/// equally long.
+/// Sum over all planes that two steps span of the Euler characteristic of the section, triangulated along the
+/// shorter diagonal of the steps; along either, on the mean, where they are equally long.
 fn section_euler(mask: &Mask, a: [i64; 3], b: [i64; 3]) -> f64 {
     let h = mask.grid().spacing().mm();
     let square = |step: [i64; 3]| dot(scaled(step, h), scaled(step, h));

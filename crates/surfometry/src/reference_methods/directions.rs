@@ -13,7 +13,8 @@ pub(super) fn half_sphere(count: usize) -> impl Iterator<Item = [f64; 3]> {
     })
 }
 
-/// Shares of the sphere, by which of the lines along unit vectors is nearest: they add up to 1. To about 1e-4.
+/// Shares of the sphere, by which of the lines along unit vectors is nearest: they add up to 1. To about
+/// 1e-4.
 pub(super) fn shares(directions: &[[f64; 3]]) -> Vec<f64> {
     let mut counts = vec![0.0; directions.len()];
     for point in half_sphere(POINTS) {

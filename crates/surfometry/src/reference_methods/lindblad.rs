@@ -7,12 +7,15 @@ use crate::surface::dot;
 use crate::volume::Mask;
 use rayon::prelude::*;
 
-/// A from the 2 x 2 x 2 neighbourhoods: each has a weight, such that planes in random directions are measured without bias and with the least variance.
+/// A from the 2 x 2 x 2 neighbourhoods: each has a weight, such that planes in random directions are measured
+/// without bias and with the least variance.
 ///
-/// Planes leave one weight open (on cubic voxels -1, 0, 1, 0, 2 may be added to those of one corner, an edge, three corners, a face, a corner with its neighbours, without
-/// any effect on them); Lindblad chose for small balls. His 0.636, 0.669, 0.554, 0.927, 0.421 come out on cubic voxels; for other spacings, what is open stays as near to them as
-/// it can. A neighbourhood that no plane shows, as in narrow places, counts as the pieces that its smaller phase has. Right on the mean over orientations, to 1.4 % for one (2.7 %
-/// where spacings differ by 2); nothing is said of curvature.
+/// Planes leave one weight open (on cubic voxels -1, 0, 1, 0, 2 may be added to those of one corner, an edge,
+/// three corners, a face, a corner with its neighbours, without any effect on them); Lindblad chose for small
+/// balls. His 0.636, 0.669, 0.554, 0.927, 0.421 come out on cubic voxels; for other spacings, what is open
+/// stays as near to them as it can. A neighbourhood that no plane shows, as in narrow places, counts as the
+/// pieces that its smaller phase has. Right on the mean over orientations, to 1.4 % for one (2.7 % where
+/// spacings differ by 2); nothing is said of curvature.
 #[derive(Debug, Clone, Copy)]
 pub struct Lindblad;
 
@@ -41,7 +44,8 @@ impl ReferenceMethod for Lindblad {
     }
 }
 
-/// How often each neighbourhood occurs whose first corner lies in a row; bit n of its number is the corner at x + (n & 1), y + (n >> 1 & 1), z + (n >> 2).
+/// How often each neighbourhood occurs whose first corner lies in a row; bit n of its number is the corner at
+/// x + (n & 1), y + (n >> 1 & 1), z + (n >> 2).
 fn row_counts(mask: &Mask, y: i64, z: i64) -> [u64; 256] {
     let mut counts = [0; 256];
     let (from, to) = (mask.bounds().lower[0] - 1, mask.bounds().upper[0]);
@@ -94,7 +98,8 @@ fn weights(h: [f64; 3]) -> [f64; 256] {
         }
     }
     let place = |configuration: usize| shown.iter().position(|&c| c == classes[configuration]);
-    // Least squares of area - 1 over directions with a mean of 0, by Lagrange's multiplier: the last row and column.
+    // Least squares of area - 1 over directions with a mean of 0, by Lagrange's multiplier: the last row and
+    // column.
     let size = shown.len();
     let mut system = vec![vec![0.0; size + 2]; size + 1];
     for plane in &planes {
@@ -126,8 +131,8 @@ fn weights(h: [f64; 3]) -> [f64; 256] {
     })
 }
 
-/// The neighbourhoods that a plane shows, and how many of each to its area: a plane at any depth between two corners shows the same one, and there are as many cells to a slab as
-/// their volume tells.
+/// The neighbourhoods that a plane shows, and how many of each to its area: a plane at any depth between two
+/// corners shows the same one, and there are as many cells to a slab as their volume tells.
 fn frequencies(normal: [f64; 3], h: [f64; 3]) -> Vec<(usize, f64)> {
     let corner = |n: usize| [n & 1, n >> 1 & 1, n >> 2].map(|i| i as f64);
     let depth = |n: usize| dot(normal, std::array::from_fn(|a| h[a] * corner(n)[a]));
@@ -144,7 +149,8 @@ fn frequencies(normal: [f64; 3], h: [f64; 3]) -> Vec<(usize, f64)> {
         .collect()
 }
 
-/// The least of a neighbourhood's numbers under reflections and exchange of phases: those have one weight, whatever the spacing.
+/// The least of a neighbourhood's numbers under reflections and exchange of phases: those have one weight,
+/// whatever the spacing.
 fn classes() -> [usize; 256] {
     std::array::from_fn(|configuration| {
         let reflected = |mirror: usize| -> usize {
@@ -155,7 +161,8 @@ fn classes() -> [usize; 256] {
     })
 }
 
-/// The face-connected pieces of a neighbourhood's smaller phase, each as a neighbourhood of its own; one that stays whole is cut into its corners.
+/// The face-connected pieces of a neighbourhood's smaller phase, each as a neighbourhood of its own; one that
+/// stays whole is cut into its corners.
 fn pieces(configuration: usize) -> Vec<usize> {
     let small = if configuration.count_ones() > 4 { 255 - configuration } else { configuration };
     let mut rest = small;
@@ -181,7 +188,8 @@ fn pieces(configuration: usize) -> Vec<usize> {
 mod tests {
     use super::*;
 
-    /// Lindblad (2005) of the five neighbourhoods that planes show, in the order 1, 2, 3, 4 in a face, 4 around a corner.
+    /// Lindblad (2005) of the five neighbourhoods that planes show, in the order 1, 2, 3, 4 in a face, 4
+    /// around a corner.
     #[test]
     fn of_cubic_voxels() {
         let weights = weights([1.0; 3]);

@@ -1,6 +1,8 @@
-//! The classical estimators that the paper and its field compare with, behind one trait, so that a comparison is a loop.
+//! The classical estimators that the paper and its field compare with, behind one trait, so that a comparison
+//! is a loop.
 //!
-//! They measure the mask as it is, each with its known bias, which its documentation states. None of them gives local curvature.
+//! They measure the mask as it is, each with its known bias, which its documentation states. None of them
+//! gives local curvature.
 
 mod crofton;
 mod dilation;

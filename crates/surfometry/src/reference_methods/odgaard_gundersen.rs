@@ -4,7 +4,8 @@ use super::{ReferenceMethod, ReferenceValues};
 use crate::topology::VoxelTopology;
 use crate::volume::Mask;
 
-/// V - E + F - C of the voxels (Odgaard and Gundersen 1993), as the surface's characteristic: twice the solid's. Exact for the voxels, whatever they stand for.
+/// V - E + F - C of the voxels (Odgaard and Gundersen 1993), as the surface's characteristic: twice the
+/// solid's. Exact for the voxels, whatever they stand for.
 #[derive(Debug, Clone, Copy)]
 pub enum OdgaardGundersen {
     /// Voxels that touch in a corner are joined.

@@ -6,12 +6,12 @@ use crate::surface::{Mesh, extract};
 use crate::tiling::{Block, IndexBox};
 use crate::volume::Mask;
 
-/// The surface half-way between inside and outside voxels, as triangles: of the mask, or of the mask smoothed by 0.8 voxel, which stands for the paper's
-/// standard.
+/// The surface half-way between inside and outside voxels, as triangles: of the mask, or of the mask smoothed
+/// by 0.8 voxel, which stands for the paper's standard.
 #[derive(Debug, Clone, Copy)]
 pub enum Triangulation {
-    /// Of the mask, as most tools have it. A is 8.2 % too large on smooth surfaces at any resolution (8.8 % with the triangles of marching cubes' tables); V is right; M is
-    /// noise and left out.
+    /// Of the mask, as most tools have it. A is 8.2 % too large on smooth surfaces at any resolution (8.8 %
+    /// with the triangles of marching cubes' tables); V is right; M is noise and left out.
     Mask,
     /// Of the mask smoothed by 0.8 voxel (geometric mean). M by the central difference.
     Smoothed,

@@ -1,7 +1,8 @@
-//! One HTML file that shows what was measured: numbers, a surface to turn, distributions, slices, method, provenance.
+//! One HTML file that shows what was measured: numbers, a surface to turn, distributions, slices, method,
+//! provenance.
 //!
-//! Everything that is shown stands in one serialisable [`Report`]; `report.html` is its only template. The file needs no
-//! network: plotly.js is inside.
+//! Everything that is shown stands in one serialisable [`Report`]; `report.html` is its only template. The
+//! file needs no network: plotly.js is inside.
 
 mod comparison_page;
 mod figures;

@@ -6,8 +6,8 @@ use crate::{Control, Event};
 use rayon::prelude::*;
 use std::io;
 
-/// Inputs to which the same is done: read once each, small ones side by side, large ones one after the other, what comes
-/// out in the order of the inputs.
+/// Inputs to which the same is done: read once each, small ones side by side, large ones one after the other,
+/// what comes out in the order of the inputs.
 ///
 /// ```
 /// use surfometry::{Control, runs::{Batch, Collected, MeasureTask}};
@@ -129,7 +129,8 @@ pub struct Outcome {
     pub stopped: bool,
 }
 
-/// Voxels up to which an input is small: several are in memory at once, and each is too short to share out well.
+/// Voxels up to which an input is small: several are in memory at once, and each is too short to share out
+/// well.
 const SMALL: usize = 1 << 21;
 /// Inputs for each thread that are looked at together.
 const AHEAD: usize = 4;
@@ -145,7 +146,8 @@ enum Done<'a, R> {
 }
 
 impl Batch<'_> {
-    /// Does a task with every input. An input that fails is handed to the sink as a failure, and the others are done.
+    /// Does a task with every input. An input that fails is handed to the sink as a failure, and the others
+    /// are done.
     ///
     /// # Errors
     /// The sink's.

@@ -31,8 +31,9 @@ struct TruthRow {
     phantom: String,
 }
 
-/// Writes a cohort's labels and `truth.csv` into a folder, which is made where it is not there; bones that are there already, with their row in the table, are left as they
-/// are. `told` hears each bone's name before it is made.
+/// Writes a cohort's labels and `truth.csv` into a folder, which is made where it is not there; bones that
+/// are there already, with their row in the table, are left as they are. `told` hears each bone's name before
+/// it is made.
 ///
 /// # Errors
 /// [`RunError`].

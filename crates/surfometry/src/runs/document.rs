@@ -18,8 +18,8 @@ pub trait Row: Serialize + Send {
     fn columns() -> Vec<String>;
 }
 
-/// The document as a whole: schema, version, results, failures. Wherever the run ends, what was written to a file so far is
-/// a whole document.
+/// The document as a whole: schema, version, results, failures. Wherever the run ends, what was written to a
+/// file so far is a whole document.
 pub struct JsonSink<R> {
     out: ResultOutput,
     rows: usize,

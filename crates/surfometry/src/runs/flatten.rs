@@ -6,8 +6,8 @@ use serde_json::{Map, Value};
 const AXES: [&str; 3] = ["x", "y", "z"];
 const ENDS: [&str; 2] = ["min", "max"];
 
-/// Nested keys joined by `_`; vectors as `_x`, `_y`, `_z`, boxes as `_min_x` .. `_max_z`; flags as their codes, changes of
-/// topology as their kinds, joined by `;`.
+/// Nested keys joined by `_`; vectors as `_x`, `_y`, `_z`, boxes as `_min_x` .. `_max_z`; flags as their
+/// codes, changes of topology as their kinds, joined by `;`.
 pub fn flatten(record: &Value) -> Map<String, Value> {
     let mut row = Map::new();
     each_field(&mut String::new(), record.clone(), &mut |key, value| {
@@ -16,8 +16,8 @@ pub fn flatten(record: &Value) -> Map<String, Value> {
     row
 }
 
-/// Every value of a record with the name that [`flatten`] gives it. The name is built in place: tables have a hundred columns
-/// and many rows.
+/// Every value of a record with the name that [`flatten`] gives it. The name is built in place: tables have a
+/// hundred columns and many rows.
 pub(super) fn each_field(key: &mut String, value: Value, take: &mut impl FnMut(&str, Value)) {
     match value {
         Value::Object(fields) => fields.into_iter().for_each(|(name, value)| part(key, &name, value, take)),

@@ -10,7 +10,8 @@ use std::path::PathBuf;
 pub struct MapTask {
     /// What is asked.
     pub plan: Plan,
-    /// Files for each object; where there are several inputs or objects, `_NAME` and `_label-N` go before their endings.
+    /// Files for each object; where there are several inputs or objects, `_NAME` and `_label-N` go before
+    /// their endings.
     pub files: Vec<PathBuf>,
     /// How they are made.
     pub style: MapStyle,
@@ -27,6 +28,8 @@ impl Task for MapTask {
             self.files.iter().map(|path| with_parts(path, input.part.as_slice())).collect();
         for object in reading.objects() {
             let object = object?;
+            object.surface();
+            input.control.check()?;
             let written = self.write(input, &object, &files, out);
             input.control.check()?;
             let record = SurfaceRecord::new(object.record(), object.surface());
@@ -37,8 +40,8 @@ impl Task for MapTask {
 }
 
 impl MapTask {
-    /// Writes an object's files; their names. What cannot be written is handed out, and the others are written all the
-    /// same.
+    /// Writes an object's files; their names. What cannot be written is handed out, and the others are
+    /// written all the same.
     fn write(
         &self,
         input: &Opened,

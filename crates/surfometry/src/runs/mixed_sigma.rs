@@ -3,8 +3,8 @@
 use super::{Failure, Record, Sink};
 use std::io;
 
-/// Hands records on, and minds the range of their blurs: an automatic sigma follows the spacing, and numbers of images
-/// that differ in it are not comparable.
+/// Hands records on, and minds the range of their blurs: an automatic sigma follows the spacing, and numbers
+/// of images that differ in it are not comparable.
 pub struct SigmaRange<'a> {
     inner: &'a mut dyn Sink<Record>,
     low: f64,

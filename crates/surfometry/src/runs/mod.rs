@@ -1,5 +1,5 @@
-//! Many inputs, from names to results: one [`Batch`], a [`Task`] for each thing that is done with an input, a [`Sink`] for
-//! each place where results go. Every front end is a face of these.
+//! Many inputs, from names to results: one [`Batch`], a [`Task`] for each thing that is done with an input, a
+//! [`Sink`] for each place where results go. Every front end is a face of these.
 
 mod batch;
 mod cohort_files;

@@ -101,8 +101,9 @@ impl InputObject {
     }
 }
 
-/// Voxels that the blur puts on the other side up to which they are looked at without being asked: a share of the band's, so that
-/// it takes no longer than measuring them did; a few in any case, and 16 bytes each at most.
+/// Voxels that the blur puts on the other side up to which they are looked at without being asked: a share of
+/// the band's, so that it takes no longer than measuring them did; a few in any case, and 16 bytes each at
+/// most.
 fn most_explained(measured: &Measured) -> usize {
     let area = measured.blurred.surface_area_mm2.unwrap_or_default();
     let band = area * measured.parameters.thickness_mm / measured.grid.spacing_mm.iter().product::<f64>();
@@ -126,7 +127,8 @@ pub(super) fn what_is_explained(measured: &mut Measured, when: ExplainTopology) 
     }
 }
 
-/// Says where the topology changed, or, where too many voxels would have to be looked at, that it was not looked into.
+/// Says where the topology changed, or, where too many voxels would have to be looked at, that it was not
+/// looked into.
 pub(super) fn explain_topology(object: &Object, measured: &mut Measured, looked: Looked) {
     let most = if looked == Looked::Blur { most_explained(measured) } else { usize::MAX };
     let time = WorkTime::default();

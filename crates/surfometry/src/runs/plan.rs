@@ -33,8 +33,8 @@ pub struct Plan {
 pub enum ExplainTopology {
     /// Never.
     Never,
-    /// What the blur changed, where its surface and the voxels disagree: that takes no longer than measuring. Not where it puts
-    /// more voxels on the other side than an eighth of the band's, or 2^22.
+    /// What the blur changed, where its surface and the voxels disagree: that takes no longer than measuring.
+    /// Not where it puts more voxels on the other side than an eighth of the band's, or 2^22.
     #[default]
     Disagreements,
     /// Always, and what the band changes too: that may take several times as long as measuring.

@@ -27,7 +27,8 @@ pub struct Record {
     /// Exact integrals, for phantoms.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub truth: Option<Truth>,
-    /// Blur of the corrected embedding in which the surface is mapped, mm, where it is mapped in one of its own.
+    /// Blur of the corrected embedding in which the surface is mapped, mm, where it is mapped in one of its
+    /// own.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub curvature_sigma_mm: Option<f64>,
     /// Time to read and decode the input, s.

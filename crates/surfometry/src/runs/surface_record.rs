@@ -20,7 +20,8 @@ pub struct SurfaceRecord {
     pub quantiles: [f64; QUANTILES.len()],
     /// One a quantity.
     pub distributions: Vec<Distribution>,
-    /// Vertices where the field's gradient has collapsed: their curvature is given as 0, and distributions leave them out.
+    /// Vertices where the field's gradient has collapsed: their curvature is given as 0, and distributions
+    /// leave them out.
     pub vertices_without_normal: u64,
     /// The files that were written.
     pub files: Vec<String>,

@@ -66,8 +66,8 @@ impl SweptParameter {
     }
 }
 
-/// Measures every selected object of an input at each of some values of a parameter; records object by object, each over
-/// the values.
+/// Measures every selected object of an input at each of some values of a parameter; records object by
+/// object, each over the values.
 #[derive(Debug)]
 pub struct SweepTask {
     /// What is asked beside.

@@ -13,7 +13,8 @@ use std::path::{Path, PathBuf};
 pub struct SweepChart {
     /// The file; where there are several inputs or objects, `_NAME` and `_label-N` go before its ending.
     pub path: PathBuf,
-    /// What it shows, by names of columns; without any V, A, M and chi, of the blurred and of the original object.
+    /// What it shows, by names of columns; without any V, A, M and chi, of the blurred and of the original
+    /// object.
     pub measures: Vec<String>,
     /// Whether equal ratios are equally far apart.
     pub log: bool,
@@ -26,8 +27,8 @@ const CHOSEN: &str = "The band is the 95 % interval; of blurred measures it is 1
 /// Half-width of a 95 % interval in standard errors.
 const INTERVAL: f64 = 1.96;
 
-/// Writes a chart of one object's records, in their order, against what was swept, with 95 % bars where there are standard
-/// errors.
+/// Writes a chart of one object's records, in their order, against what was swept, with 95 % bars where there
+/// are standard errors.
 pub(super) fn write_sweep_chart(
     records: &[Record],
     over: SweptParameter,

@@ -17,15 +17,19 @@ pub struct BlandAltman {
     pub deviation: f64,
     /// Bias -+ 1.96 standard deviations.
     pub limits: [Estimate; 2],
-    /// Proportional bias: the line of the differences on the means of both methods; its slope is 0 without one, and `slope_p_value` tells.
+    /// Proportional bias: the line of the differences on the means of both methods; its slope is 0 without
+    /// one, and `slope_p_value` tells.
     pub proportional: LinearFit,
-    /// Width of the limits of agreement in % of the mean: a spread. The paper gives this number, halved or not, as "proportional bias" (-5.0 and +0.6 % there).
+    /// Width of the limits of agreement in % of the mean: a spread. The paper gives this number, halved or
+    /// not, as "proportional bias" (-5.0 and +0.6 % there).
     pub limits_width_percent: f64,
 }
 
-/// Bias, limits of agreement and their intervals (Bland and Altman 1986, 1999: the variance of a limit is s^2 (1/n + 1.96^2 / 2 (n - 1))).
+/// Bias, limits of agreement and their intervals (Bland and Altman 1986, 1999: the variance of a limit is s^2
+/// (1/n + 1.96^2 / 2 (n - 1))).
 ///
-/// Valid where differences are about normal and do not grow with size; where `proportional` says they do, compare logarithms.
+/// Valid where differences are about normal and do not grow with size; where `proportional` says they do,
+/// compare logarithms.
 pub fn bland_altman(pairs: &Paired) -> BlandAltman {
     let (differences, means) = (pairs.differences(), pairs.means());
     let count = pairs.count() as f64;

@@ -18,12 +18,15 @@ impl Default for Bootstrap {
     }
 }
 
-/// Pairs beyond which none is drawn: the jackknife takes time with their square, and means of so many are normal.
+/// Pairs beyond which none is drawn: the jackknife takes time with their square, and means of so many are
+/// normal.
 const MOST_PAIRS: usize = 10_000;
 
-/// A statistic with its bias-corrected and accelerated interval (BCa; Efron 1987): pairs are drawn with replacement, the acceleration is the jackknife's.
+/// A statistic with its bias-corrected and accelerated interval (BCa; Efron 1987): pairs are drawn with
+/// replacement, the acceleration is the jackknife's.
 ///
-/// `None` where the statistic is the same for nearly all samples, so that there is no interval; and of more than 10,000 pairs.
+/// `None` where the statistic is the same for nearly all samples, so that there is no interval; and of more
+/// than 10,000 pairs.
 pub fn bootstrap(
     pairs: &Paired,
     how: Bootstrap,
@@ -74,7 +77,8 @@ fn quantile(sorted: &[f64], probability: f64) -> f64 {
     sorted[low] + share * (sorted[high] - sorted[low])
 }
 
-/// PCG-XSH-RR (O'Neill 2014): a page's numbers must be the same for ever, which random number crates do not promise of their default.
+/// PCG-XSH-RR (O'Neill 2014): a page's numbers must be the same for ever, which random number crates do not
+/// promise of their default.
 struct Pcg(u64);
 
 impl Pcg {

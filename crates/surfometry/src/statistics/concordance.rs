@@ -3,7 +3,8 @@
 use super::paired::Moments;
 use super::{Estimate, Paired, normal_quantile};
 
-/// How close pairs lie to the line of equality: correlation times a penalty for shift and scale (Lin 1989, with the variance as corrected in 2000), 1 for identical values.
+/// How close pairs lie to the line of equality: correlation times a penalty for shift and scale (Lin 1989,
+/// with the variance as corrected in 2000), 1 for identical values.
 ///
 /// The interval is symmetric in the inverse hyperbolic tangent.
 pub fn concordance(pairs: &Paired) -> Estimate {

@@ -1,13 +1,16 @@
-//! Quantiles of Student's, Fisher's and the normal distribution, from the incomplete beta function and its inverse (`puruspe`; `statrs` for many degrees of freedom).
+//! Quantiles of Student's, Fisher's and the normal distribution, from the incomplete beta function and its
+//! inverse (`puruspe`; `statrs` for many degrees of freedom).
 
 use puruspe::{betai, invbetai, inverfc};
 use statrs::function::beta::beta_reg;
 use std::f64::consts::SQRT_2;
 
-/// Degrees of freedom above which Student's distribution is taken from an expansion about the normal one: its beta function then loses digits.
+/// Degrees of freedom above which Student's distribution is taken from an expansion about the normal one: its
+/// beta function then loses digits.
 const MANY: f64 = 1e4;
-/// Degrees of freedom above which no crate's inverse of the incomplete beta function is right: `puruspe`'s is up to 2 % off, and panics from 6000 and 6000 on; that of
-/// `statrs` stops early. The latter's incomplete beta function itself is right.
+/// Degrees of freedom above which no crate's inverse of the incomplete beta function is right: `puruspe`'s is
+/// up to 2 % off, and panics from 6000 and 6000 on; that of `statrs` stops early. The latter's incomplete
+/// beta function itself is right.
 const INVERTIBLE: f64 = 2e3;
 
 /// Probability that a normal number of mean 0 and deviation 1 is below x.
@@ -25,7 +28,8 @@ pub fn student_tails(t: f64, degrees: f64) -> f64 {
     betai(0.5 * degrees, 0.5, degrees / (degrees + t * t))
 }
 
-/// The number below which Student's t of some degrees of freedom lies with a probability (between 0 and 1, both left out).
+/// The number below which Student's t of some degrees of freedom lies with a probability (between 0 and 1,
+/// both left out).
 pub fn student_quantile(probability: f64, degrees: f64) -> f64 {
     if degrees > MANY {
         // Abramowitz and Stegun 26.7.5, to 1e-12 here.
@@ -41,7 +45,8 @@ pub fn student_quantile(probability: f64, degrees: f64) -> f64 {
     if probability < 0.5 { -t } else { t }
 }
 
-/// The number below which Fisher's F of some degrees of freedom lies with a probability; not a number for degrees that are none.
+/// The number below which Fisher's F of some degrees of freedom lies with a probability; not a number for
+/// degrees that are none.
 pub fn f_quantile(probability: f64, [numerator, denominator]: [f64; 2]) -> f64 {
     if !([numerator, denominator].iter().all(|degrees| degrees.is_finite() && *degrees > 0.0)) {
         return f64::NAN;

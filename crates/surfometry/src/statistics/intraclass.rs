@@ -13,7 +13,8 @@ pub struct Intraclass {
     pub consistency: Estimate,
 }
 
-/// Intraclass correlations from the two-way analysis of variance (Shrout and Fleiss 1979; intervals of McGraw and Wong 1996).
+/// Intraclass correlations from the two-way analysis of variance (Shrout and Fleiss 1979; intervals of McGraw
+/// and Wong 1996).
 ///
 /// `methods` holds at least two methods, each with the same at least two objects in the same order.
 pub fn intraclass(methods: &[&[f64]]) -> Intraclass {

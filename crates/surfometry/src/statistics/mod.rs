@@ -1,4 +1,5 @@
-//! Agreement of two methods on the same objects: regression, Bland-Altman, concordance, intraclass correlation, bootstrap, confusion of topology.
+//! Agreement of two methods on the same objects: regression, Bland-Altman, concordance, intraclass
+//! correlation, bootstrap, confusion of topology.
 //!
 //! Intervals are of 95 %. Bias is method minus standard; the paper's tables have it the other way round.
 

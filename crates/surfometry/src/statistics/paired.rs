@@ -2,7 +2,8 @@
 
 use thiserror::Error;
 
-/// Values of a method and of the standard on the same objects: at least three, all finite, neither all the same.
+/// Values of a method and of the standard on the same objects: at least three, all finite, neither all the
+/// same.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Paired {
     method: Vec<f64>,
@@ -114,7 +115,8 @@ pub(super) fn co_moment(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| (a - mean_a) * (b - mean_b)).sum()
 }
 
-/// Means of two numbers, and the sums of squares and products of their distances from them: as [`mean`] and [`co_moment`] have them, in two passes.
+/// Means of two numbers, and the sums of squares and products of their distances from them: as [`mean`] and
+/// [`co_moment`] have them, in two passes.
 pub(super) struct Moments {
     pub(super) means: [f64; 2],
     /// Of the first's squares, the second's, and the products.

@@ -19,7 +19,8 @@ pub struct LinearFit {
     pub slope_p_value: f64,
 }
 
-/// The line of least squares through points, x without error, with Student's intervals (n - 2 degrees of freedom).
+/// The line of least squares through points, x without error, with Student's intervals (n - 2 degrees of
+/// freedom).
 ///
 /// `x` and `y` are at least three and as many, and `x` varies: as [`Paired`](super::Paired) holds them.
 pub fn least_squares(x: &[f64], y: &[f64]) -> LinearFit {

@@ -1,8 +1,8 @@
 //! The loops in which a level set crosses the faces of one cell.
 //!
-//! A cell is the cube between eight voxel centres. Corner c lies at x = c & 1, y = c >> 1 & 1, z = c >> 2; a set bit of a
-//! configuration is a corner inside (phi < 0). Edge 4 a + u + 2 v runs along axis a; u and v are its places on axes
-//! (a + 1) mod 3 and (a + 2) mod 3. Face 2 a + s is across axis a, on side s.
+//! A cell is the cube between eight voxel centres. Corner c lies at x = c & 1, y = c >> 1 & 1, z = c >> 2; a
+//! set bit of a configuration is a corner inside (phi < 0). Edge 4 a + u + 2 v runs along axis a; u and v are
+//! its places on axes (a + 1) mod 3 and (a + 2) mod 3. Face 2 a + s is across axis a, on side s.
 
 /// Places along x, y, z of the corner that an edge starts from.
 pub(crate) const fn edge_base(edge: u8) -> [usize; 3] {
@@ -51,7 +51,8 @@ const fn edge_between(p: usize, q: usize) -> u8 {
     (4 * a + u + 2 * v) as u8
 }
 
-/// Whether the corners of a face are inside and outside in turn, so that two ways of crossing it are possible.
+/// Whether the corners of a face are inside and outside in turn, so that two ways of crossing it are
+/// possible.
 pub(crate) fn is_ambiguous(configuration: u8, face: usize) -> bool {
     let [a, b, c, d] = face_corners(face).map(|corner| configuration >> corner & 1);
     a == c && b == d && a != b
@@ -79,8 +80,8 @@ pub(crate) fn loops(configuration: u8, joined: impl Fn(usize) -> bool) -> Vec<Ve
 
 /// For each edge that the surface crosses, the one that follows it in its loop.
 ///
-/// Seen from outside the cell, a segment on a face has the inside to its right: walking round the face counter-clockwise,
-/// it starts where the walk enters the object and ends where it leaves it.
+/// Seen from outside the cell, a segment on a face has the inside to its right: walking round the face
+/// counter-clockwise, it starts where the walk enters the object and ends where it leaves it.
 fn successors(configuration: u8, joined: impl Fn(usize) -> bool) -> [Option<u8>; 12] {
     let mut next = [None; 12];
     for face in 0..6 {
@@ -88,7 +89,8 @@ fn successors(configuration: u8, joined: impl Fn(usize) -> bool) -> [Option<u8>;
         let inside = |i: usize| configuration >> corners[i % 4] & 1 == 1;
         let edge = |i: usize| edge_between(corners[i % 4], corners[(i + 1) % 4]);
         let leaves = |i: usize| inside(i) && !inside(i + 1);
-        // Around the inside corner that was entered, or, if those are joined, around the outside corner that was left.
+        // Around the inside corner that was entered, or, if those are joined, around the outside corner that
+        // was left.
         let backward = is_ambiguous(configuration, face) && joined(face);
         for entered in (0..4).filter(|&i| !inside(i) && inside(i + 1)) {
             let mut steps = (1..4).map(|step| if backward { entered + 4 - step } else { entered + step });

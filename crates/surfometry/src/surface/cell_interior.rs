@@ -1,7 +1,8 @@
 //! What the trilinear interpolant does inside a cell that its corners leave open.
 //!
-//! Pieces of one sign that lie apart on the cell's faces may be connected through its interior. The surface between
-//! them is then a tube and not a disc at each (the tunnels of Chernyaev's cases 4, 6, 7, 10, 12 and 13).
+//! Pieces of one sign that lie apart on the cell's faces may be connected through its interior. The surface
+//! between them is then a tube and not a disc at each (the tunnels of Chernyaev's cases 4, 6, 7, 10, 12 and
+//! 13).
 
 use super::cell::{edge_corners, face_corners, is_ambiguous};
 use crate::topology::DisjointSets;
@@ -40,8 +41,8 @@ pub(crate) fn tunnels(configuration: u8, values: &[f64; 8], loops: &[Vec<u8>]) -
                     && on_faces[a[far]] != on_faces[b[far]]
                     && inside[a[far]] == inside[b[far]]
             };
-            // Of a trilinear interpolant a cell has one tube at most; ties (a saddle at exactly 0) could seem to give a loop
-            // two of them.
+            // Of a trilinear interpolant a cell has one tube at most; ties (a saddle at exactly 0) could seem
+            // to give a loop two of them.
             let free = !pairs.iter().any(|pair: &[usize; 2]| pair.contains(&first) || pair.contains(&second));
             if free && (bridge(0, 1) || bridge(1, 0)) {
                 pairs.push([first, second]);
@@ -51,7 +52,8 @@ pub(crate) fn tunnels(configuration: u8, values: &[f64; 8], loops: &[Vec<u8>]) -
     pairs
 }
 
-/// For each corner, what stands for all that is connected with it within one sign over the cell's edges and faces.
+/// For each corner, what stands for all that is connected with it within one sign over the cell's edges and
+/// faces.
 fn regions_on_faces(configuration: u8, values: &[f64; 8]) -> [usize; 8] {
     let mut regions = DisjointSets::default();
     regions.add(8);
@@ -75,9 +77,10 @@ fn regions_on_faces(configuration: u8, values: &[f64; 8]) -> [usize; 8] {
 
 /// The same through the cell's interior.
 ///
-/// On a slice of constant z the interpolant is bilinear, so every piece of one sign holds a corner of the slice, and how the
-/// corners are connected changes only where one of them or the saddle's numerator (a quadratic in z) passes 0. Between
-/// those heights one slice stands for all, and neighbouring slices are connected along the four vertical edges.
+/// On a slice of constant z the interpolant is bilinear, so every piece of one sign holds a corner of the
+/// slice, and how the corners are connected changes only where one of them or the saddle's numerator (a
+/// quadratic in z) passes 0. Between those heights one slice stands for all, and neighbouring slices are
+/// connected along the four vertical edges.
 fn regions_inside(values: &[f64; 8]) -> [usize; 8] {
     let heights = slice_heights(values);
     let slices: Vec<[f64; 4]> = heights.iter().map(|&z| slice(values, z)).collect();

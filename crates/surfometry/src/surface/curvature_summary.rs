@@ -5,12 +5,14 @@ use crate::local_geometry::Curvature;
 use serde::Serialize;
 use std::f64::consts::PI;
 
-/// Integrals and means over the surface of the functions of k1 and k2 that FreeSurfer's `mris_curvature_stats` prints, from
-/// the geometry at vertices, weighted by area. Here k1 >= k2 and H > 0 on a ball.
+/// Integrals and means over the surface of the functions of k1 and k2 that FreeSurfer's
+/// `mris_curvature_stats` prints, from the geometry at vertices, weighted by area. Here k1 >= k2 and H > 0 on
+/// a ball.
 ///
 /// # References
-/// Van Essen and Drury 1997 (folding and intrinsic curvature index); Koenderink and van Doorn 1992 (shape index,
-/// curvedness); Pienaar et al. 2008 (`mris_curvature_stats`, where k_max is the one of larger magnitude).
+/// Van Essen and Drury 1997 (folding and intrinsic curvature index); Koenderink and van Doorn 1992 (shape
+/// index, curvedness); Pienaar et al. 2008 (`mris_curvature_stats`, where k_max is the one of larger
+/// magnitude).
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct CurvatureSummary {
     /// Integral of k1^2 + k2^2 (BE). A ball: 8 pi.

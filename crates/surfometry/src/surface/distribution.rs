@@ -7,11 +7,13 @@ pub const QUANTILES: [f64; 7] = [0.01, 0.05, 0.25, 0.5, 0.75, 0.95, 0.99];
 /// Bins of a histogram.
 const BINS: usize = 64;
 
-/// A quantity over the vertices of a surface: every vertex alike, as in the paper, or by the area that it stands for.
+/// A quantity over the vertices of a surface: every vertex alike, as in the paper, or by the area that it
+/// stands for.
 ///
-/// By vertex, parts with small triangles weigh more than their area does: use it to compare with tools that count vertices, and
-/// the area-weighted form for what the surface is like. Bins are fixed by the quantiles 0.01 and 0.99 of the area and
-/// counted beyond them in the outer bins, so that a few extreme vertices do not flatten the rest.
+/// By vertex, parts with small triangles weigh more than their area does: use it to compare with tools that
+/// count vertices, and the area-weighted form for what the surface is like. Bins are fixed by the quantiles
+/// 0.01 and 0.99 of the area and counted beyond them in the outer bins, so that a few extreme vertices do not
+/// flatten the rest.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Distribution {
     /// The array's name.
@@ -115,8 +117,8 @@ impl Moments {
     }
 }
 
-/// The value where the sum of the weights, each taken to its middle, reaches a share; linear between (Hazen's plotting
-/// positions where all weigh the same).
+/// The value where the sum of the weights, each taken to its middle, reaches a share; linear between (Hazen's
+/// plotting positions where all weigh the same).
 fn quantile(sample: &[(f64, f64)], share: f64) -> f64 {
     let (mut below, mut last) = (0.0, (sample[0].0, 0.0));
     for &(value, weight) in sample {

@@ -12,16 +12,17 @@ use std::collections::HashMap;
 
 /// Extracts phi = 0 as a mesh in world coordinates.
 ///
-/// Tiles are extracted in parallel and joined in their order, so the mesh is the same for any number of threads. It is
-/// a closed manifold, except where a given field ends.
+/// Tiles are extracted in parallel and joined in their order, so the mesh is the same for any number of
+/// threads. It is a closed manifold, except where a given field ends.
 pub fn extract<E: Embedding>(embedding: &E, grid: &Grid) -> Mesh {
     let tiles = SurfaceTiles::of(embedding);
     let parts: Vec<TileMesh> = tiles.boxes.par_iter().map(|tile| tiles.mesh(tile)).collect();
     stitched(&parts, grid)
 }
 
-/// Where a surface's cells lie: the support of a field and one voxel around it, which is outside and closes the surface; less where
-/// the field ends. Along x whole groups of voxels, so that voxels are grouped in the same way whatever part of an object is known.
+/// Where a surface's cells lie: the support of a field and one voxel around it, which is outside and closes
+/// the surface; less where the field ends. Along x whole groups of voxels, so that voxels are grouped in the
+/// same way whatever part of an object is known.
 pub(crate) fn cell_limits<E: Embedding + ?Sized>(embedding: &E, half_width: f64) -> IndexBox {
     embedding.available(&cells_around(&embedding.support(half_width)))
 }

@@ -2,8 +2,8 @@
 
 use std::collections::HashMap;
 
-/// A triangle mesh with shared vertices, in world coordinates (RAS, mm), its triangles wound so that their normals
-/// point outward, also where the image's affine mirrors.
+/// A triangle mesh with shared vertices, in world coordinates (RAS, mm), its triangles wound so that their
+/// normals point outward, also where the image's affine mirrors.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Mesh {
     /// Positions, mm.
@@ -31,8 +31,8 @@ impl Mesh {
         self.triangles.iter().map(|&t| triangle_area(self.corners(t))).sum()
     }
 
-    /// Enclosed volume, mm^3: the sum of signed tetrahedra over the triangles (the divergence theorem). Meaningful for
-    /// a closed mesh only.
+    /// Enclosed volume, mm^3: the sum of signed tetrahedra over the triangles (the divergence theorem).
+    /// Meaningful for a closed mesh only.
     pub fn volume(&self) -> f64 {
         // From a vertex, not from the world's origin, which may lie far away.
         let Some(&origin) = self.vertices.first() else { return 0.0 };
@@ -45,8 +45,8 @@ impl Mesh {
         self.vertices.len() as i64 - edges as i64 + self.triangles.len() as i64
     }
 
-    /// Whether every edge belongs to two triangles that pass through it in opposite directions: closed, without
-    /// branches and consistently oriented.
+    /// Whether every edge belongs to two triangles that pass through it in opposite directions: closed,
+    /// without branches and consistently oriented.
     pub fn is_closed(&self) -> bool {
         self.edge_uses().values().all(|&[forward, backward]| (forward, backward) == (1, 1))
     }
@@ -75,7 +75,8 @@ impl Mesh {
         areas
     }
 
-    /// Unit normals at the vertices: means of the triangles' around, weighted by area. Along x where they cancel.
+    /// Unit normals at the vertices: means of the triangles' around, weighted by area. Along x where they
+    /// cancel.
     pub fn vertex_normals(&self) -> Vec<[f64; 3]> {
         let mut normals = vec![[0.0; 3]; self.vertices.len()];
         for &triangle in &self.triangles {
@@ -98,7 +99,8 @@ pub(crate) fn triangle_area([a, b, c]: [[f64; 3]; 3]) -> f64 {
     0.5 * length(cross(minus(b, a), minus(c, a)))
 }
 
-/// Signed volume of the tetrahedron between a triangle and the origin, positive where the triangle faces away from it.
+/// Signed volume of the tetrahedron between a triangle and the origin, positive where the triangle faces away
+/// from it.
 pub(crate) fn tetrahedron_volume([a, b, c]: [[f64; 3]; 3]) -> f64 {
     dot(a, cross(b, c)) / 6.0
 }

@@ -4,6 +4,7 @@ use super::isosurface::{cell_limits, stitched};
 use super::tile_mesh::TileMesh;
 use super::{CurvatureSummary, Distribution, LocalQuantity, Mesh, VertexArray, VertexGeometry};
 use crate::Choice;
+use crate::Control;
 use crate::accuracy::{CurvatureDifferences, CurvatureErrors, LocalErrorModel};
 use crate::integrals::Band;
 use crate::local_geometry::{Curvature, Differentiation, FieldValue, Jet, TileField};
@@ -12,8 +13,8 @@ use crate::volume::{Grid, Spacing};
 use rayon::prelude::*;
 use std::sync::OnceLock;
 
-/// The level set phi = 0: a mesh, and the geometry at each of its vertices, from the field's derivatives there. Distributions are
-/// those of the vertices as they were when one was first asked for.
+/// The level set phi = 0: a mesh, and the geometry at each of its vertices, from the field's derivatives
+/// there. Distributions are those of the vertices as they were when one was first asked for.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Surface {
     /// The mesh.
@@ -24,15 +25,18 @@ pub struct Surface {
 }
 
 impl Surface {
-    /// Extracts the surface of a scheme's embedding and differentiates it at the vertices, tile by tile, in parallel.
+    /// Extracts the surface of a scheme's embedding and differentiates it at the vertices, tile by tile, in
+    /// parallel.
     ///
-    /// `band` says where the gradient has collapsed.
+    /// `band` says where the gradient has collapsed. Once the control says stop, the rest of the tiles is
+    /// left out.
     pub(crate) fn of<D: Differentiation>(
         scheme: &D,
         grid: &Grid,
         band: &Band,
         extras: &VertexExtras,
         region: Option<IndexBox>,
+        control: &Control,
     ) -> Self {
         let limits = cell_limits(scheme.embedding(), 0.0);
         let limits = region.map_or(limits, |region| limits.intersection(&region));
@@ -46,6 +50,9 @@ impl Surface {
             Some(VertexGeometry::of(jet, curvature, displacement, grid))
         };
         let part = |tile: &IndexBox| {
+            if control.is_stopped() {
+                return Default::default();
+            }
             storage.with(|memory| match scheme.tile_field(std::mem::take(memory), tile, 0.0) {
                 TileField::Constant(_) => Default::default(),
                 TileField::Varying(field) => {
@@ -78,7 +85,8 @@ impl Surface {
         surface
     }
 
-    /// Standard errors, also from how far the plain blur's curvature is from the corrected one at each vertex, where it has one.
+    /// Standard errors, also from how far the plain blur's curvature is from the corrected one at each
+    /// vertex, where it has one.
     fn set_errors(
         &mut self,
         sigma: f64,
@@ -141,8 +149,8 @@ impl Surface {
         })
     }
 
-    /// Distribution of one quantity, without the vertices whose gradient has collapsed; `None` where it is not defined, or
-    /// nothing is left.
+    /// Distribution of one quantity, without the vertices whose gradient has collapsed; `None` where it is
+    /// not defined, or nothing is left.
     pub fn distribution(&self, quantity: LocalQuantity) -> Option<&Distribution> {
         self.distributions().iter().find(|distribution| distribution.name == quantity.name())
     }

@@ -24,23 +24,24 @@ pub(crate) struct TileMesh {
     pub(crate) border_edges: u64,
 }
 
-/// Nearest to a grid point, in spacings, that a vertex may lie. Where phi is 0 at a voxel, the vertices on its six edges
-/// would otherwise coincide, and files in single precision merge what coincides.
+/// Nearest to a grid point, in spacings, that a vertex may lie. Where phi is 0 at a voxel, the vertices on
+/// its six edges would otherwise coincide, and files in single precision merge what coincides.
 const NEAREST: f64 = 1e-3;
 
 /// Stands for a value of exactly 0, which counts as outside. Its square is still a number.
 const OUTSIDE: f64 = 1e-150;
 
 impl TileMesh {
-    /// Marching cubes over a tile, from the field on a box that holds the tile and one voxel beyond its upper ends (less
-    /// where the field itself, known on `limits`, ends).
+    /// Marching cubes over a tile, from the field on a box that holds the tile and one voxel beyond its upper
+    /// ends (less where the field itself, known on `limits`, ends).
     ///
-    /// Vertices lie where the field, linear along the edges, is 0 (a voxel with exactly 0 is outside); the topology is
-    /// that of its trilinear interpolant: loops on ambiguous faces by the asymptotic decider, tubes inside cells by
-    /// [`tunnels`](super::cell_interior::tunnels).
+    /// Vertices lie where the field, linear along the edges, is 0 (a voxel with exactly 0 is outside); the
+    /// topology is that of its trilinear interpolant: loops on ambiguous faces by the asymptotic decider,
+    /// tubes inside cells by [`tunnels`](super::cell_interior::tunnels).
     ///
     /// # References
-    /// Lorensen and Cline 1987; Nielson and Hamann 1991; Chernyaev 1995, whose 33 cases these rules give without a table.
+    /// Lorensen and Cline 1987; Nielson and Hamann 1991; Chernyaev 1995, whose 33 cases these rules give
+    /// without a table.
     pub(crate) fn of<T: Precision>(field: &Block<T>, tile: &IndexBox, limits: &IndexBox) -> Self {
         let mut builder = Builder::new(field, tile, limits);
         let region = builder.region;
@@ -80,8 +81,8 @@ struct Builder<'a, T> {
     ny: usize,
     /// Of all rows, y fastest.
     inside: Vec<RowBits>,
-    /// Vertex numbers on the edges along x and y that start from the voxels of two neighbouring slices (even and odd
-    /// ones), and on those along z between the two.
+    /// Vertex numbers on the edges along x and y that start from the voxels of two neighbouring slices (even
+    /// and odd ones), and on those along z between the two.
     along_x: [Vec<u32>; 2],
     along_y: [Vec<u32>; 2],
     along_z: Vec<u32>,

@@ -44,10 +44,11 @@ fn simple_cell(configuration: u8) -> Option<SimpleCell> {
     Some(cell)
 }
 
-/// Triangles that fill a loop without further vertices, with diagonals as short as they can be between the middles of
-/// the edges.
+/// Triangles that fill a loop without further vertices, with diagonals as short as they can be between the
+/// middles of the edges.
 ///
-/// Where no face is ambiguous, no diagonal lies in a face, so the neighbour's triangles cannot have the same edge.
+/// Where no face is ambiguous, no diagonal lies in a face, so the neighbour's triangles cannot have the same
+/// edge.
 fn triangulated(ring: &[u8]) -> Vec<[u8; 3]> {
     best_fill(ring).1
 }
@@ -90,11 +91,11 @@ pub(crate) trait CellSink {
     fn add_triangle(&mut self, triangle: [u32; 3]);
 }
 
-/// A cell whose values decide: every loop is filled around a vertex of its own, or joined to another by a tube with a
-/// ring of vertices.
+/// A cell whose values decide: every loop is filled around a vertex of its own, or joined to another by a
+/// tube with a ring of vertices.
 ///
-/// The new vertices keep every new edge off the faces, where the neighbour could have the same one: an edge with four
-/// triangles would be no manifold.
+/// The new vertices keep every new edge off the faces, where the neighbour could have the same one: an edge
+/// with four triangles would be no manifold.
 pub(crate) fn fill_by_values(configuration: u8, values: &[f64; 8], sink: &mut impl CellSink) {
     let loops = loops(configuration, |face| joined_across(values, face));
     let tubes = tunnels(configuration, values, &loops);
@@ -146,7 +147,8 @@ fn add_tube(a: &[u32], b: &[u32], sink: &mut impl CellSink) {
     }
 }
 
-/// Pairs of positions, from the nearest pair on, each a step further on one of the two loops, always the shorter step.
+/// Pairs of positions, from the nearest pair on, each a step further on one of the two loops, always the
+/// shorter step.
 fn rungs(a: &[u32], b: &[u32], sink: &impl CellSink) -> Vec<(usize, usize)> {
     let apart = |i: usize, j: usize| {
         let step = minus(sink.position(a[i % a.len()]), sink.position(b[j % b.len()]));

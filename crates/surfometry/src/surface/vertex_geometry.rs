@@ -11,20 +11,24 @@ use std::f64::consts::FRAC_2_PI;
 /// What is known at a vertex; vectors are unit vectors of the world (RAS).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct VertexGeometry {
-    /// grad phi / |grad phi|, outward; where the gradient has collapsed, the mean normal of the triangles around.
+    /// grad phi / |grad phi|, outward; where the gradient has collapsed, the mean normal of the triangles
+    /// around.
     pub normal: [f64; 3],
     /// H and K; 0 where the gradient has collapsed.
     pub curvature: Curvature,
-    /// Direction of k1, the larger principal curvature. Its sign has no meaning, and at an umbilic nor has it itself.
+    /// Direction of k1, the larger principal curvature. Its sign has no meaning, and at an umbilic nor has it
+    /// itself.
     pub direction_1: [f64; 3],
     /// Direction of k2.
     pub direction_2: [f64; 3],
-    /// How far the blur moved the surface here, mm, positive outward: about -sigma^2 H. `None` where that is not defined.
+    /// How far the blur moved the surface here, mm, positive outward: about -sigma^2 H. `None` where that is
+    /// not defined.
     pub displacement: Option<f64>,
     /// Standard errors of its curvature, where the embedding has a model of them: the corrected one.
     pub errors: Option<CurvatureErrors>,
-    /// Whether the field has a gradient that a surface would have. Where it has collapsed, as half-way through parts that the blur
-    /// nearly removed, curvature says nothing, and distributions leave the vertex out.
+    /// Whether the field has a gradient that a surface would have. Where it has collapsed, as half-way
+    /// through parts that the blur nearly removed, curvature says nothing, and distributions leave the vertex
+    /// out.
     pub has_normal: bool,
 }
 
@@ -103,8 +107,9 @@ fn to_world(v: [f64; 3], grid: &Grid) -> [f64; 3] {
 
 /// Unit eigenvectors of the Hessian in the tangent plane, of the larger eigenvalue first.
 ///
-/// There, the Hessian over |grad phi| is the derivative of the normal, whose eigenvalues are k1 and k2. In a basis u, v of
-/// the plane it is a symmetric 2 x 2 matrix, whose axes stand at half the angle of (a - c, 2 b).
+/// There, the Hessian over |grad phi| is the derivative of the normal, whose eigenvalues are k1 and k2. In a
+/// basis u, v of the plane it is a symmetric 2 x 2 matrix, whose axes stand at half the angle of (a - c, 2
+/// b).
 fn principal_directions(jet: &Jet, normal: [f64; 3]) -> [[f64; 3]; 2] {
     let [xx, yy, zz, xy, xz, yz] = jet.hessian;
     let hessian = [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]];
@@ -127,8 +132,8 @@ fn tangent(normal: [f64; 3]) -> [f64; 3] {
 }
 
 impl Curvature {
-    /// Koenderink and van Doorn's shape index, 2/pi atan((k1 + k2) / (k1 - k2)): 1 on a ball, 0.5 on a cylinder, 0 on a
-    /// symmetric saddle, -0.5 in a groove, -1 in a hollow; 0 on a plane, which has none.
+    /// Koenderink and van Doorn's shape index, 2/pi atan((k1 + k2) / (k1 - k2)): 1 on a ball, 0.5 on a
+    /// cylinder, 0 on a symmetric saddle, -0.5 in a groove, -1 in a hollow; 0 on a plane, which has none.
     pub fn shape_index(&self) -> f64 {
         let [k1, k2] = self.principal();
         FRAC_2_PI * libm::atan2(k1 + k2, k1 - k2)

@@ -15,7 +15,8 @@ impl<T: Copy> Block<T> {
         Self { region, values: vec![value; region.voxels()] }
     }
 
-    /// A block in memory that was used before, with whatever values that holds and `value` beyond them: all are to be written.
+    /// A block in memory that was used before, with whatever values that holds and `value` beyond them: all
+    /// are to be written.
     pub fn reusing(mut storage: Vec<T>, region: IndexBox, value: T) -> Self {
         storage.resize(region.voxels(), value);
         Self { region, values: storage }

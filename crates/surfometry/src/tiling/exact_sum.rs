@@ -1,13 +1,14 @@
 //! Sums without rounding.
 //!
-//! A long fixed-point number that reaches over the whole range of f64, of which only the digits that are not 0 are kept (a small
-//! superaccumulator, Neal 2015, arXiv:1505.05571). Own code because what is needed is the merging of two unfinished sums, which the
-//! crates that were looked at (`xsum`, `accurate`) do not offer.
+//! A long fixed-point number that reaches over the whole range of f64, of which only the digits that are not
+//! 0 are kept (a small superaccumulator, Neal 2015, arXiv:1505.05571). Own code because what is needed is the
+//! merging of two unfinished sums, which the crates that were looked at (`xsum`, `accurate`) do not offer.
 
 use serde::{Deserialize, Serialize};
 
 const LIMB_BITS: usize = 32;
-/// 2098 bits from the smallest subnormal to the largest finite f64, and room for more additions than can be made.
+/// 2098 bits from the smallest subnormal to the largest finite f64, and room for more additions than can be
+/// made.
 const LIMBS: usize = 72;
 /// Limbs that a sum which was written may have.
 const LIMBS_WRITTEN: usize = 70;

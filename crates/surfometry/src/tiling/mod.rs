@@ -1,7 +1,8 @@
 //! Boxes with halos, blocks of values on them, and sums that do not depend on order.
 //!
-//! Every stage works on an index box and every result is a sum over boxes. Tiles are anchored at image index 0,
-//! never at a crop, so that a voxel belongs to the same tile whatever else is measured, on any number of threads.
+//! Every stage works on an index box and every result is a sum over boxes. Tiles are anchored at image index
+//! 0, never at a crop, so that a voxel belongs to the same tile whatever else is measured, on any number of
+//! threads.
 
 mod block;
 mod cover;
@@ -20,6 +21,6 @@ pub use pool::Pool;
 pub use sparse_field::{SparseField, SparseTile};
 pub use work_time::WorkTime;
 
-/// Voxels of a tile along x, y, z. What a tile must know around it, ten voxels or so on each side, is then a moderate share, and
-/// what is worked on at a time stays in a processor's second cache.
+/// Voxels of a tile along x, y, z. What a tile must know around it, ten voxels or so on each side, is then a
+/// moderate share, and what is worked on at a time stays in a processor's second cache.
 pub const TILE: [i64; 3] = [64, 64, 128];

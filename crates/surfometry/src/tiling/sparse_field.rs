@@ -2,7 +2,8 @@
 
 use super::{IndexBox, TILE};
 
-/// Values at the voxels of a box that are marked, tile by tile; memory is a bit a voxel and what the marked ones take.
+/// Values at the voxels of a box that are marked, tile by tile; memory is a bit a voxel and what the marked
+/// ones take.
 #[derive(Debug)]
 pub struct SparseField {
     region: IndexBox,
@@ -50,7 +51,8 @@ impl SparseTile {
         Self { region: *region, rows: Vec::new(), values: Vec::new() }
     }
 
-    /// Adds the next row: a bit for each marked voxel, the first at a multiple of 64 along x, and the values at them.
+    /// Adds the next row: a bit for each marked voxel, the first at a multiple of 64 along x, and the values
+    /// at them.
     pub fn push_row(&mut self, marks: u64, values: impl Iterator<Item = f32>) {
         self.rows.push((marks, self.values.len() as u32));
         self.values.extend(values);

@@ -3,7 +3,8 @@
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
-/// Time that threads spend on the parts of a work, added up. A part hands nothing to other threads, or it would count their work for its own.
+/// Time that threads spend on the parts of a work, added up. A part hands nothing to other threads, or it
+/// would count their work for its own.
 #[derive(Debug, Default)]
 pub struct WorkTime(AtomicU64);
 

@@ -12,11 +12,13 @@ use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 
-/// What the boxes of a [`Cover`] tell of an object's topology. The same boxes give the same value, to the byte, in whatever order they are merged.
+/// What the boxes of a [`Cover`] tell of an object's topology. The same boxes give the same value, to the
+/// byte, in whatever order they are merged.
 ///
-/// Euler numbers add up. Of the components, those that end within the boxes are counted, and the others are known by the voxels on the
-/// boxes' faces. A box whose faces are all background is only kept beside one whose faces are not; everywhere else it goes without saying. Memory
-/// follows the object's sections in the faces behind which something is missing.
+/// Euler numbers add up. Of the components, those that end within the boxes are counted, and the others are
+/// known by the voxels on the boxes' faces. A box whose faces are all background is only kept beside one
+/// whose faces are not; everywhere else it goes without saying. Memory follows the object's sections in the
+/// faces behind which something is missing.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct BoxTopology {
     euler: EulerNumbers,
@@ -39,7 +41,8 @@ enum Shell {
 }
 
 impl BoxTopology {
-    /// Of the part of an object that lies in a box of an image. The mask holds what there is of it in the box and in the voxels around it.
+    /// Of the part of an object that lies in a box of an image. The mask holds what there is of it in the box
+    /// and in the voxels around it.
     pub(crate) fn of(mask: &Mask, image: &IndexBox, region: &IndexBox) -> Self {
         let LabelledBox { euler, closed, shown, faces } = LabelledBox::of(mask, &Frame::new(image, region));
         let mut topology = Self { euler, closed, ..Self::default() };
@@ -55,7 +58,8 @@ impl BoxTopology {
         self.shells.keys().any(|region| !joint.contacts(region).is_empty())
     }
 
-    /// Two parts as one; `joint` says where the boxes that they are known in meet, which have nothing in common.
+    /// Two parts as one; `joint` says where the boxes that they are known in meet, which have nothing in
+    /// common.
     pub(crate) fn merge(&mut self, mut other: Self, image: &IndexBox, joint: &Joint) {
         self.euler.merge(&other.euler);
         for kind in [BACKGROUND, FOREGROUND] {
@@ -104,7 +108,8 @@ impl BoxTopology {
         }
     }
 
-    /// Whether the shells say what goes without saying: that all around the object is connected, and with the outside.
+    /// Whether the shells say what goes without saying: that all around the object is connected, and with the
+    /// outside.
     fn says_nothing(&self, image: &IndexBox) -> bool {
         let mut shells = self.shells.values();
         let Some(first) = shells.next() else { return true };
@@ -182,7 +187,8 @@ fn join_within(shells: &Shells, image: &IndexBox, joining: &mut Joining) {
     }
 }
 
-/// Joins what two boxes have in common: wherever the slices that they share lie, what they see there are the same voxels.
+/// Joins what two boxes have in common: wherever the slices that they share lie, what they see there are the
+/// same voxels.
 fn join(a: (&IndexBox, &Shell), b: (&IndexBox, &Shell), image: &IndexBox, joining: &mut Joining) {
     if !a.0.is_near(b.0) {
         return;

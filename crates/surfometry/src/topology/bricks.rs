@@ -13,8 +13,9 @@ const BRICKS_A_WORD: usize = u64::BITS as usize / EDGE;
 /// Voxels whose bricks are fetched at once.
 pub(super) const FETCHED: usize = 16;
 
-/// Two sets of voxels of a box, in bricks of 4 x 4 x 4, a word each: a voxel and those around it lie in two or three lines of a
-/// processor's cache. In a mask they lie in nine, and most of the time of a walk that jumps from place to place is waiting for them.
+/// Two sets of voxels of a box, in bricks of 4 x 4 x 4, a word each: a voxel and those around it lie in two
+/// or three lines of a processor's cache. In a mask they lie in nine, and most of the time of a walk that
+/// jumps from place to place is waiting for them.
 pub(super) struct Bricks {
     /// Voxels of the box along y.
     rows_a_slice: usize,
@@ -57,7 +58,8 @@ impl Bricks {
         })
     }
 
-    /// The 27 voxels around a place that has neighbours within the box on all sides, a bit each, x fastest: which belong to a set.
+    /// The 27 voxels around a place that has neighbours within the box on all sides, a bit each, x fastest:
+    /// which belong to a set.
     pub(super) fn around(&self, set: Set, Place { row, x }: Place) -> u32 {
         let (y, z) = (row as usize % self.rows_a_slice, row as usize / self.rows_a_slice);
         let (column, shift) = (x as usize / EDGE, x as usize % EDGE);
@@ -75,8 +77,8 @@ impl Bricks {
         around
     }
 
-    /// Gets what voxels and those around them need from memory, of several at once: what a walk has near when it comes to them costs it no
-    /// waiting.
+    /// Gets what voxels and those around them need from memory, of several at once: what a walk has near when
+    /// it comes to them costs it no waiting.
     pub(super) fn fetch(&self, places: impl Iterator<Item = Place>) {
         let mut near = [0; 4 * FETCHED];
         for (near, Place { row, x }) in near.chunks_mut(4).zip(places) {

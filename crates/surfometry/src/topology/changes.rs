@@ -77,10 +77,11 @@ pub struct TopologyChange {
     pub cavities: i64,
     /// By how much the number of handles grows.
     pub handles: i64,
-    /// Where it happens: the voxel of lowest rank of those none of which can change without it, the middle of a piece or cavity, the line along a
-    /// strut or a hole, the sheet within a wall or a gap.
+    /// Where it happens: the voxel of lowest rank of those none of which can change without it, the middle of
+    /// a piece or cavity, the line along a strut or a hole, the sheet within a wall or a gap.
     pub voxel: [i64; 3],
-    /// Width there before the change, mm: of the strut, hole, piece or cavity, the wall that was broken or the gap that was filled.
+    /// Width there before the change, mm: of the strut, hole, piece or cavity, the wall that was broken or
+    /// the gap that was filled.
     pub width_mm: f64,
 }
 
@@ -91,11 +92,12 @@ impl TopologyChange {
     }
 }
 
-/// The changes of topology (26-connected object, 6-connected background) from one object to another on the same grid, losses first. Their
-/// sums are exactly the differences in components, cavities and handles.
+/// The changes of topology (26-connected object, 6-connected background) from one object to another on the
+/// same grid, losses first. Their sums are exactly the differences in components, cavities and handles.
 ///
-/// Voxels in which the objects differ are first changed where that is of no consequence (simple points), those of low `rank` first; what is
-/// left over are the middles of the places that matter. Their effects are counted with the components of the states between.
+/// Voxels in which the objects differ are first changed where that is of no consequence (simple points),
+/// those of low `rank` first; what is left over are the middles of the places that matter. Their effects are
+/// counted with the components of the states between.
 pub fn topology_changes(
     before: &Mask,
     after: &Mask,
@@ -189,7 +191,8 @@ impl Cores<'_> {
         self.growth(before, connectivity, self.cores.iter())
     }
 
-    /// By how much components grow in number that each core is taken from, in order, from what they are at the end.
+    /// By how much components grow in number that each core is taken from, in order, from what they are at
+    /// the end.
     fn backwards(&self, end: &Mask, connectivity: Connectivity) -> Vec<i64> {
         let mut growth = self.growth(end, connectivity, self.cores.iter().rev());
         for growth in &mut growth {
@@ -273,7 +276,8 @@ mod tests {
     }
 
     proptest! {
-        /// The sums of the changes are the differences that counting gives, and what is of no consequence has none.
+        /// The sums of the changes are the differences that counting gives, and what is of no consequence has
+        /// none.
         #[test]
         fn changes_add_up(
             a in prop::collection::vec(prop::bool::weighted(0.5), 9 * 7 * 6),

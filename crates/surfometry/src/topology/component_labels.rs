@@ -6,8 +6,8 @@ use crate::tiling::IndexBox;
 use crate::volume::Mask;
 use std::collections::HashMap;
 
-/// The connected components of an object, or of the background around and within it. Memory is proportional to the number of runs, not
-/// of voxels.
+/// The connected components of an object, or of the background around and within it. Memory is proportional
+/// to the number of runs, not of voxels.
 #[derive(Debug, Clone)]
 pub struct ComponentLabels {
     connectivity: Connectivity,
@@ -88,8 +88,8 @@ impl ComponentLabels {
         components.into_iter().map(&mut component).collect()
     }
 
-    /// Adds voxels of the mask's bounds that were not labelled, to which none that was added before is a neighbour; by how much the number
-    /// of components grows.
+    /// Adds voxels of the mask's bounds that were not labelled, to which none that was added before is a
+    /// neighbour; by how much the number of components grows.
     pub(super) fn grow(&mut self, voxels: &mut [[i64; 3]]) -> i64 {
         let first = self.sets.add(voxels.len());
         voxels.sort_unstable();

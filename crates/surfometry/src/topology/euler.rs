@@ -7,7 +7,8 @@ use serde::{Deserialize, Serialize};
 /// Euler numbers of the solid in some boxes; those of disjoint boxes add up.
 ///
 /// # References
-/// Odgaard and Gundersen 1993; Ohser and Mücklich 2000 (inclusion-exclusion over vertices, edges, faces and cubes).
+/// Odgaard and Gundersen 1993; Ohser and Mücklich 2000 (inclusion-exclusion over vertices, edges, faces and
+/// cubes).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub(crate) struct EulerNumbers {
     /// With 26-connected foreground: vertices - edges + faces - cubes of closed voxels.
@@ -33,7 +34,8 @@ impl EulerNumbers {
                 shifted(mask.row(y + 1, z), &mut rows[2]);
                 shifted(mask.row(y + 1, z + 1), &mut rows[3]);
                 for word in start / 64..end.div_ceil(64) {
-                    // The voxels of a word, and their neighbours along x: at y and y + 1, each at z and z + 1.
+                    // The voxels of a word, and their neighbours along x: at y and y + 1, each at z and z +
+                    // 1.
                     let [here, above, behind, across] = [0, 1, 2, 3].map(|row| {
                         let row = &rows[row];
                         [row[word], row[word] >> 1 | row[word + 1] << 63]
@@ -60,8 +62,9 @@ fn bits_from(place: usize, word: usize) -> u64 {
     }
 }
 
-/// Voxels - pairs + fours - eights that begin at the voxels of a word that count, of those whose voxels the operation unites. For closed
-/// voxels pairs are faces, fours edges and eights vertices; for open ones pairs are bonds, fours squares and eights cubes.
+/// Voxels - pairs + fours - eights that begin at the voxels of a word that count, of those whose voxels the
+/// operation unites. For closed voxels pairs are faces, fours edges and eights vertices; for open ones pairs
+/// are bonds, fours squares and eights cubes.
 fn alternating_sum(
     unite: impl Fn(u64, u64) -> u64,
     here: [u64; 2],
@@ -105,7 +108,8 @@ mod tests {
         (numbers.foreground_26, numbers.foreground_6)
     }
 
-    /// How often each of the 256 configurations of 2 x 2 x 2 voxels occurs; histograms of disjoint boxes add up.
+    /// How often each of the 256 configurations of 2 x 2 x 2 voxels occurs; histograms of disjoint boxes add
+    /// up.
     ///
     /// Bit x + 2 y + 4 z of a configuration is the voxel at that corner.
     #[derive(Debug, Clone, PartialEq, Eq)]
@@ -129,7 +133,8 @@ mod tests {
             Self(counts)
         }
 
-        /// Euler number of the solid with 26-connected foreground: vertices - edges + faces - cubes of closed voxels.
+        /// Euler number of the solid with 26-connected foreground: vertices - edges + faces - cubes of closed
+        /// voxels.
         fn euler_26(&self) -> i64 {
             self.weighted(|configuration| {
                 let present =
@@ -138,7 +143,8 @@ mod tests {
             })
         }
 
-        /// Euler number of the solid with 6-connected foreground: voxel centres, bonds, squares and cubes all inside.
+        /// Euler number of the solid with 6-connected foreground: voxel centres, bonds, squares and cubes all
+        /// inside.
         fn euler_6(&self) -> i64 {
             self.weighted(|configuration| {
                 let all = |voxels: &[usize]| i64::from(voxels.iter().all(|v| configuration >> v & 1 == 1));
@@ -153,8 +159,9 @@ mod tests {
         }
     }
 
-    /// Alternating sum over the cells around the corner that the eight voxels share: the corner itself (8 voxels), its 6
-    /// edges (4 voxels), 12 faces (2) and 8 cubes (1). A cell has as many such corners as its share in eighths says.
+    /// Alternating sum over the cells around the corner that the eight voxels share: the corner itself (8
+    /// voxels), its 6 edges (4 voxels), 12 faces (2) and 8 cubes (1). A cell has as many such corners as its
+    /// share in eighths says.
     fn octant_sum(counts: impl Fn(&[usize]) -> i64, eighths: [i64; 4]) -> i64 {
         let with = |fixed: &[(usize, usize)]| -> Vec<usize> {
             (0..8).filter(|v| fixed.iter().all(|&(axis, side)| v >> axis & 1 == side)).collect()

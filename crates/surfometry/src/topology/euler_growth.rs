@@ -1,7 +1,7 @@
 //! How one voxel changes the Euler number of a solid.
 
-/// The 26 cells around the middle of 3 x 3 x 3 voxels by which it meets others, as the voxels that meet there: its faces, edges, corners. A cell has the
-/// sign of its dimension in the Euler number.
+/// The 26 cells around the middle of 3 x 3 x 3 voxels by which it meets others, as the voxels that meet
+/// there: its faces, edges, corners. A cell has the sign of its dimension in the Euler number.
 const CELLS: [(u32, i64); 26] = cells();
 
 const fn cells() -> [(u32, i64); 26] {
@@ -18,7 +18,8 @@ const fn cells() -> [(u32, i64); 26] {
     cells
 }
 
-/// The cell towards a neighbour: at the middle or one step in its direction, along each axis, lie the voxels that share it.
+/// The cell towards a neighbour: at the middle or one step in its direction, along each axis, lie the voxels
+/// that share it.
 const fn cell(direction: usize) -> (u32, i64) {
     let to = [direction % 3, direction / 3 % 3, direction / 9];
     let mut voxels = 0;
@@ -38,7 +39,8 @@ const fn cell(direction: usize) -> (u32, i64) {
     (voxels, if steps == 2 { -1 } else { 1 })
 }
 
-/// By how much the Euler number of the solid (26-connected: closed voxels) grows where a voxel is added to those around it, a bit each, x fastest.
+/// By how much the Euler number of the solid (26-connected: closed voxels) grows where a voxel is added to
+/// those around it, a bit each, x fastest.
 pub(super) fn euler_growth(around: u32) -> i64 {
     // A cell is new where none of the voxels that share it is there.
     CELLS.iter().filter(|(voxels, _)| around & voxels == 0).map(|(_, sign)| sign).sum::<i64>() - 1

@@ -22,7 +22,8 @@ struct Band {
     spans: u32,
 }
 
-/// The components on a rectangle. In a row background and foreground alternate; it begins with background, of length 0 where there is none.
+/// The components on a rectangle. In a row background and foreground alternate; it begins with background, of
+/// length 0 where there is none.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) struct Face {
     bands: Vec<Band>,
@@ -116,7 +117,8 @@ fn kinds(spans: &[Span]) -> impl Iterator<Item = (u32, (Kind, u32))> {
     spans.iter().enumerate().map(|(place, span)| (span.length, (place % 2, span.component)))
 }
 
-/// Visits what overlaps of two sequences of pieces, of each of which the start and the pieces' lengths are given.
+/// Visits what overlaps of two sequences of pieces, of each of which the start and the pieces' lengths are
+/// given.
 fn for_each_overlap<A: Copy, B: Copy>(
     (start_a, a): (i64, impl Iterator<Item = (u32, A)>),
     (start_b, b): (i64, impl Iterator<Item = (u32, B)>),

@@ -4,16 +4,17 @@ use crate::tiling::IndexBox;
 
 /// A box, and where it lies in its image.
 ///
-/// Two voxels that touch lie within one step of the lesser of their indices along each axis. So a box knows of all that begins in it if
-/// it also sees one more slice behind its upper ends: the first slice of its neighbours. Where the image ends, a rim of background belongs to
-/// the box.
+/// Two voxels that touch lie within one step of the lesser of their indices along each axis. So a box knows
+/// of all that begins in it if it also sees one more slice behind its upper ends: the first slice of its
+/// neighbours. Where the image ends, a rim of background belongs to the box.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Frame {
     image: IndexBox,
     region: IndexBox,
 }
 
-/// A rectangle of voxels in a plane across an axis: its ends along the two other axes, the lesser of them first.
+/// A rectangle of voxels in a plane across an axis: its ends along the two other axes, the lesser of them
+/// first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Rectangle(pub(super) [[i64; 2]; 2]);
 
@@ -55,7 +56,8 @@ impl Frame {
         IndexBox::new(owned.lower, owned.upper.map(|u| u + 1)).intersection(&self.image.grown([1; 3]))
     }
 
-    /// The first and the last slice that the box sees along an axis, which it has in common with its neighbours; `None` where the image ends.
+    /// The first and the last slice that the box sees along an axis, which it has in common with its
+    /// neighbours; `None` where the image ends.
     pub(super) fn face(&self, axis: usize, side: usize) -> Option<i64> {
         let slice = if side == 0 { self.region.lower[axis] } else { self.region.upper[axis] };
         (!self.is_outer(axis, side)).then_some(slice)

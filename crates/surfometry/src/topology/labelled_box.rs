@@ -1,4 +1,5 @@
-//! The components of an object and of the background within one box of its image, as the box's faces show them.
+//! The components of an object and of the background within one box of its image, as the box's faces show
+//! them.
 
 use super::ComponentLabels;
 use super::components::{Connectivity, Run};
@@ -11,7 +12,8 @@ use crate::volume::Mask;
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// Slices that are labelled at a time: few enough to share a layer of tiles among threads, and many against the one that is labelled twice.
+/// Slices that are labelled at a time: few enough to share a layer of tiles among threads, and many against
+/// the one that is labelled twice.
 const SLICES: usize = 16;
 
 /// The faces of a box, by axis and side; empty where the image ends.
@@ -101,7 +103,8 @@ pub(super) fn for_each_component(faces: &mut Faces, mut f: impl FnMut(usize, &mu
 struct Part<'a> {
     mask: &'a Mask,
     frame: &'a Frame,
-    /// The part of what the box sees that holds the object, and a voxel of background around it: beyond that all is as it is there.
+    /// The part of what the box sees that holds the object, and a voxel of background around it: beyond that
+    /// all is as it is there.
     region: IndexBox,
     slices: Range<i64>,
 }
@@ -172,7 +175,8 @@ impl Part<'_> {
         voxels as u32
     }
 
-    /// The components, the outside joined with the rim: it is all background, so that one voxel of each of its sides will do.
+    /// The components, the outside joined with the rim: it is all background, so that one voxel of each of
+    /// its sides will do.
     fn joined_outside(&self, labels: Labels, region: &IndexBox) -> Joining {
         let mut rim = Vec::new();
         for axis in 0..3 {

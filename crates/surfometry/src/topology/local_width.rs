@@ -4,13 +4,15 @@ use super::Connectivity;
 use crate::tiling::IndexBox;
 use crate::volume::{Mask, Spacing};
 
-/// The largest width at a voxel and its neighbours on the same side: a core that is one voxel wide runs beside the middle as often as in it.
+/// The largest width at a voxel and its neighbours on the same side: a core that is one voxel wide runs
+/// beside the middle as often as in it.
 pub(super) fn width_around(mask: &Mask, voxel: [i64; 3]) -> f64 {
     let alike = Connectivity::Foreground26.neighbours(voxel).filter(|&v| mask.get(v) == mask.get(voxel));
     alike.map(|neighbour| width_at(mask, neighbour)).fold(width_at(mask, voxel), f64::max)
 }
 
-/// Width of the part that a voxel is the middle of, mm: twice the distance to the nearest voxel on the other side, less a voxel.
+/// Width of the part that a voxel is the middle of, mm: twice the distance to the nearest voxel on the other
+/// side, less a voxel.
 fn width_at(mask: &Mask, [x, y, z]: [i64; 3]) -> f64 {
     let spacing = mask.grid().spacing();
     let side = mask.get([x, y, z]);

@@ -1,4 +1,5 @@
-//! Exact topology of the voxels: Euler numbers, components, cavities, handles; and where two objects differ in it.
+//! Exact topology of the voxels: Euler numbers, components, cavities, handles; and where two objects differ
+//! in it.
 
 mod box_topology;
 mod bricks;

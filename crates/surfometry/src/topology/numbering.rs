@@ -11,7 +11,8 @@ pub(super) fn shifted(kind: Kind, component: u32, offsets: [u32; 2]) -> u32 {
     if kind == BACKGROUND && component == OUTSIDE { OUTSIDE } else { component + offsets[kind] }
 }
 
-/// Components that are about to be joined: those of the background, of which the first is the outside, and those of the foreground.
+/// Components that are about to be joined: those of the background, of which the first is the outside, and
+/// those of the foreground.
 pub(super) struct Joining {
     sets: [DisjointSets; 2],
     outside: usize,
@@ -38,7 +39,8 @@ impl Joining {
         Self { sets: [background, foreground], outside }
     }
 
-    /// Adds as many components of each kind besides the outside; what their numbers, from 1 and from 0, grow by.
+    /// Adds as many components of each kind besides the outside; what their numbers, from 1 and from 0, grow
+    /// by.
     pub(super) fn add(&mut self, components: [u32; 2]) -> [u32; 2] {
         let first: [usize; 2] = std::array::from_fn(|kind| self.sets[kind].add(components[kind] as usize));
         [first[BACKGROUND] as u32 - 1, first[FOREGROUND] as u32]

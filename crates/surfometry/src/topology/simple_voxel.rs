@@ -14,9 +14,9 @@ const CORNERS: u32 = (FIRST[0] | LAST[0]) & (FIRST[1] | LAST[1]) & (FIRST[2] | L
 /// The middle's neighbours by a face or an edge.
 const EIGHTEEN: u32 = 0o777_777_777 & !CORNERS & !MIDDLE;
 
-/// Whether putting a voxel on the other side changes neither the object (26-connected) nor its background (6-connected) topologically:
-/// it has exactly one component of the object around it, and exactly one of the background beside it. A bit a voxel of the 27 around it,
-/// x fastest, says which are of the object.
+/// Whether putting a voxel on the other side changes neither the object (26-connected) nor its background
+/// (6-connected) topologically: it has exactly one component of the object around it, and exactly one of the
+/// background beside it. A bit a voxel of the 27 around it, x fastest, says which are of the object.
 ///
 /// # References
 /// Bertrand and Malandain 1994, "A new characterization of three-dimensional simple points".

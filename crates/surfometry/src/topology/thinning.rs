@@ -9,7 +9,8 @@ use std::collections::BinaryHeap;
 
 /// An object on its way to another.
 pub(super) struct Thinned {
-    /// The object after all changes that are of no consequence; its bounds leave a voxel on all sides of both objects.
+    /// The object after all changes that are of no consequence; its bounds leave a voxel on all sides of both
+    /// objects.
     pub(super) state: Mask,
     /// The voxels that still differ.
     pub(super) rest: Mask,
@@ -30,8 +31,9 @@ impl Waiting {
     }
 }
 
-/// Voxels in which the objects differ are changed where that is of no consequence (simple points), one after the other, those of low
-/// `rank` first; one that was of consequence is looked at again when a neighbour has changed.
+/// Voxels in which the objects differ are changed where that is of no consequence (simple points), one after
+/// the other, those of low `rank` first; one that was of consequence is looked at again when a neighbour has
+/// changed.
 pub(super) fn thinned(
     before: &Mask,
     after: &Mask,

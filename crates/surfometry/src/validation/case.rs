@@ -31,7 +31,8 @@ pub struct RelativeErrors {
     pub total_mean_curvature: f64,
 }
 
-/// Local curvature at the vertices of the corrected surface, against that of the exact surface beside them; weighted by area.
+/// Local curvature at the vertices of the corrected surface, against that of the exact surface beside them;
+/// weighted by area.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct LocalErrors {
     /// Blur that was chosen, in rms spacings.

@@ -24,7 +24,8 @@ pub struct Validation {
     pub ratios: Vec<f64>,
     /// Rotations, shifts and sizes of each shape.
     pub poses: usize,
-    /// Number of the first pose: poses from another on are held out from whatever was tuned on the first ones.
+    /// Number of the first pose: poses from another on are held out from whatever was tuned on the first
+    /// ones.
     pub first_pose: usize,
     /// Parts of the names of the shapes that are wanted; all where there are none.
     pub shapes: Vec<String>,

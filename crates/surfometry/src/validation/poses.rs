@@ -16,8 +16,9 @@ pub struct UnitPose {
 /// Numbers that a pose takes.
 const DIMENSIONS: i32 = 7;
 
-/// The n-th pose of an additive recurrence with powers of the root of x^8 = x + 1, which fills the unit cube of seven dimensions evenly (Roberts 2018). The
-/// rotations it stands for are uniform: those about x and z by angle, that about y by the sine of it.
+/// The n-th pose of an additive recurrence with powers of the root of x^8 = x + 1, which fills the unit cube
+/// of seven dimensions evenly (Roberts 2018). The rotations it stands for are uniform: those about x and z by
+/// angle, that about y by the sine of it.
 pub(super) fn pose(number: usize) -> UnitPose {
     let root = (0..60).fold(1.5, |x: f64, _| libm::pow(1.0 + x, 1.0 / f64::from(DIMENSIONS + 1)));
     let place = |n: i32| {

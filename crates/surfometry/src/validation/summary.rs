@@ -20,7 +20,8 @@ pub struct Summary {
     pub worst_blurred: RelativeErrors,
     /// The largest errors of the original object's, %.
     pub worst_original: RelativeErrors,
-    /// Share of the original object's values, in %, within 1.96 standard errors of the truth; V, A and M together.
+    /// Share of the original object's values, in %, within 1.96 standard errors of the truth; V, A and M
+    /// together.
     pub coverage: Option<f64>,
     /// The largest error of Gauss-Bonnet.
     pub worst_euler_characteristic: f64,

@@ -24,7 +24,8 @@ impl Affine {
         Self { linear: [[x, 0.0, 0.0], [0.0, y, 0.0], [0.0, 0.0, z]], origin: [0.0; 3] }
     }
 
-    /// From direction vectors (one an image axis), spacing and origin. Lengths are the spacing's alone, whatever those of the directions are.
+    /// From direction vectors (one an image axis), spacing and origin. Lengths are the spacing's alone,
+    /// whatever those of the directions are.
     pub fn from_directions(directions: [[f64; 3]; 3], spacing: [f64; 3], origin: [f64; 3]) -> Self {
         let directions = directions.map(unit);
         let entry = |world: usize, axis: usize| directions[axis][world] * spacing[axis];

@@ -3,7 +3,8 @@
 use super::samples::for_samples;
 use super::{Grid, Mask, Samples, Scalar, SlabReader, VolumeError};
 
-/// Largest size of a value: squares and products of derivatives, which are taken in single precision first, must stay finite.
+/// Largest size of a value: squares and products of derivatives, which are taken in single precision first,
+/// must stay finite.
 const LARGEST: f64 = 1e30;
 
 /// A field phi on a grid, negative inside.

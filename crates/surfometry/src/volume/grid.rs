@@ -45,7 +45,8 @@ impl Grid {
     /// A grid in the world.
     ///
     /// # Errors
-    /// [`VolumeError`] for an empty axis, too many voxels, a spacing that is not positive, or a sheared affine.
+    /// [`VolumeError`] for an empty axis, too many voxels, a spacing that is not positive, or a sheared
+    /// affine.
     pub fn new(dimensions: [usize; 3], affine: Affine) -> Result<Self, VolumeError> {
         check_dimensions(dimensions)?;
         if !affine.is_finite() {

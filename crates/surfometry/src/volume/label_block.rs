@@ -14,7 +14,8 @@ impl LabelBlock {
     /// Of an array in memory, x fastest, of the voxels of a box of an image with the given lattice.
     ///
     /// # Errors
-    /// [`VolumeError`] for a box that reaches beyond the image or has no voxel, voxels that are no labels, or too few of them.
+    /// [`VolumeError`] for a box that reaches beyond the image or has no voxel, voxels that are no labels, or
+    /// too few of them.
     pub fn from_voxels<T: Scalar>(grid: Grid, region: IndexBox, voxels: &[T]) -> Result<Self, VolumeError> {
         if region.is_empty() || !grid.index_box().holds(&region) {
             return Err(VolumeError::BoxBeyondImage { region, image: grid.index_box() });

@@ -97,7 +97,8 @@ impl SliceRuns {
     }
 }
 
-/// Slices of an image or of a box of it, all or those that are in work. Segmentations are long runs of one label, so that memory follows their surfaces.
+/// Slices of an image or of a box of it, all or those that are in work. Segmentations are long runs of one
+/// label, so that memory follows their surfaces.
 #[derive(Debug, Clone)]
 pub(crate) struct LabelRuns {
     grid: Grid,

@@ -10,8 +10,9 @@ use std::collections::HashMap;
 
 /// A label image: each voxel holds a whole number, 0 being background.
 ///
-/// Stored as runs of one label along x, of 8 bytes (12 in slices of several labels), whatever type of voxel the file has, so that memory
-/// follows the objects' surfaces: a gyroid of period 64 voxels takes 0.1 bytes a voxel; noise, the worst case, 6.
+/// Stored as runs of one label along x, of 8 bytes (12 in slices of several labels), whatever type of voxel
+/// the file has, so that memory follows the objects' surfaces: a gyroid of period 64 voxels takes 0.1 bytes a
+/// voxel; noise, the worst case, 6.
 #[derive(Debug, Clone)]
 pub struct LabelImage {
     grid: Grid,
@@ -37,7 +38,8 @@ impl LabelImage {
     /// Reads an image from its slabs.
     ///
     /// # Errors
-    /// The source's own, and [`VolumeError`] for voxels that are no labels, too few voxels, or too little memory.
+    /// The source's own, and [`VolumeError`] for voxels that are no labels, too few voxels, or too little
+    /// memory.
     pub fn from_slabs<R: SlabReader>(reader: &mut R) -> Result<Self, R::Error> {
         let grid = *reader.grid();
         let mut encoder = RunEncoder::new(grid.index_box());
@@ -197,8 +199,8 @@ struct EncodedSlice {
 }
 
 impl EncodedSlice {
-    /// Of the voxels of a slice in rows of `nx`, of which `first` is the first one's index. Run by run: a label is looked up once a run, and not where it
-    /// is that of a run just before.
+    /// Of the voxels of a slice in rows of `nx`, of which `first` is the first one's index. Run by run: a
+    /// label is looked up once a run, and not where it is that of a run just before.
     #[inline(always)]
     fn of<T: Scalar>(slice: &[T], nx: usize, [x, y, z]: [usize; 3]) -> Result<Self, VolumeError> {
         let mut encoded = Self { runs: SliceRuns::default(), summaries: vec![LabelSummary::empty(0, 0)] };

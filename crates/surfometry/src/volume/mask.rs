@@ -23,7 +23,8 @@ impl Mask {
         Self { grid, bounds: IndexBox::EMPTY, words_a_row: 0, bits: Vec::new() }
     }
 
-    /// Builds a mask from the half-open runs of its rows, ascending, in image indices; what lies outside `bounds` is left out.
+    /// Builds a mask from the half-open runs of its rows, ascending, in image indices; what lies outside
+    /// `bounds` is left out.
     pub(crate) fn from_runs<R: Iterator<Item = (usize, usize)>>(
         grid: Grid,
         bounds: IndexBox,
@@ -106,7 +107,8 @@ impl Mask {
         ((z - lower[2]) * (upper[1] - lower[1]) + (y - lower[1])) as usize * self.words_a_row
     }
 
-    /// The bits of a voxel of the bounds and the others of its word: 64 voxels that begin a multiple of 64 from the bounds' lower x.
+    /// The bits of a voxel of the bounds and the others of its word: 64 voxels that begin a multiple of 64
+    /// from the bounds' lower x.
     pub(crate) fn word(&self, [x, y, z]: [i64; 3]) -> u64 {
         self.row(y, z)[(x - self.bounds.lower[0]) as usize / WORD]
     }
@@ -145,7 +147,8 @@ impl Mask {
         [lower[0] + i64::from(x), lower[1] + row % rows_a_slice, lower[2] + row / rows_a_slice]
     }
 
-    /// The 27 voxels around a place that has neighbours within the bounds on all sides, a bit each, x fastest.
+    /// The 27 voxels around a place that has neighbours within the bounds on all sides, a bit each, x
+    /// fastest.
     pub(crate) fn around(&self, Place { row, x }: Place) -> u32 {
         let rows_a_slice = self.bounds.extent()[1];
         let (word, shift) = ((x as usize - 1) / WORD, (x as usize - 1) % WORD);
@@ -164,7 +167,8 @@ impl Mask {
         around
     }
 
-    /// The places of the object's voxels among the 27 around one that has neighbours within the bounds on all sides, x fastest.
+    /// The places of the object's voxels among the 27 around one that has neighbours within the bounds on all
+    /// sides, x fastest.
     pub(crate) fn places_around(&self, place: Place) -> impl Iterator<Item = Place> + use<> {
         self.places_among(place, self.around(place))
     }

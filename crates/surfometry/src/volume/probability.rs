@@ -4,8 +4,8 @@ use super::samples::for_samples;
 use super::{Grid, Mask, Scalar, SlabReader, VolumeError};
 use crate::tiling::IndexBox;
 
-/// A soft segmentation of one object: a value from 0 to 1 at each voxel, the share of it that the object fills or the probability that it
-/// belongs to the object. Beyond the image it is 0.
+/// A soft segmentation of one object: a value from 0 to 1 at each voxel, the share of it that the object
+/// fills or the probability that it belongs to the object. Beyond the image it is 0.
 ///
 /// Values are held in single precision, of the bounding box of those that are not 0.
 #[derive(Debug, Clone, PartialEq)]
@@ -22,7 +22,8 @@ impl ProbabilityImage {
     /// Takes values, x fastest. Those beyond 0 or 1 by no more than rounding leaves are taken for 0 and 1.
     ///
     /// # Errors
-    /// [`VolumeError`] where the number of values is not the grid's, or a value is not finite or does not lie between 0 and 1.
+    /// [`VolumeError`] where the number of values is not the grid's, or a value is not finite or does not lie
+    /// between 0 and 1.
     pub fn new(grid: Grid, mut values: Vec<f32>) -> Result<Self, VolumeError> {
         for (offset, value) in values.iter_mut().enumerate() {
             *value = checked(&grid, offset, f64::from(*value))?;

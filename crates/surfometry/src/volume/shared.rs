@@ -2,7 +2,8 @@
 
 use std::sync::Arc;
 
-/// What several owners can hold: an [`Arc`], as it is; a value, which moves; or a reference, of which a copy is made.
+/// What several owners can hold: an [`Arc`], as it is; a value, which moves; or a reference, of which a copy
+/// is made.
 pub trait Shared<T> {
     /// The value, to be held.
     fn shared(self) -> Arc<T>;

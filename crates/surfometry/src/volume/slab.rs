@@ -28,7 +28,8 @@ pub trait SlabReader {
     /// Whatever keeps the source from delivering.
     fn next_slab(&mut self) -> Result<Option<Slab>, Self::Error>;
 
-    /// How long a file has taken to yield its bytes so far, decompression left out; nothing where there is no file.
+    /// How long a file has taken to yield its bytes so far, decompression left out; nothing where there is no
+    /// file.
     fn file_time(&self) -> Duration {
         Duration::ZERO
     }
@@ -50,7 +51,8 @@ impl<R: SlabReader + ?Sized> SlabReader for Box<R> {
     }
 }
 
-/// The next slab of an image that is made slice by slice, of which `next` is the first; `slice` fills one with its voxels, which are 0 before.
+/// The next slab of an image that is made slice by slice, of which `next` is the first; `slice` fills one
+/// with its voxels, which are 0 before.
 pub(crate) fn made_slab(
     dimensions: [usize; 3],
     next: &mut usize,
@@ -71,7 +73,8 @@ pub(crate) fn made_slab(
     Ok(Some(Slab { slices: first..last, samples: Samples::U8(voxels) }))
 }
 
-/// Voxels of a slice, and of all slices, beyond which nobody waits for an image to be made: 32,768 squared, 4096 cubed.
+/// Voxels of a slice, and of all slices, beyond which nobody waits for an image to be made: 32,768 squared,
+/// 4096 cubed.
 const MOST_MADE: [usize; 2] = [1 << 30, 1 << 36];
 
 /// Refuses what would take days to make, or a slice that fills the memory.
@@ -86,7 +89,8 @@ pub(crate) fn check_made(dimensions: [usize; 3]) -> Result<(), VolumeError> {
 /// Most slices of a slab: each takes some hundred bytes while it is made into runs.
 const MOST_SLICES: usize = 1 << 12;
 
-/// Slices a slab should hold so that it stays near 8 MiB: large enough to share its slices among threads, small against any image.
+/// Slices a slab should hold so that it stays near 8 MiB: large enough to share its slices among threads,
+/// small against any image.
 pub(crate) fn slices_a_slab(dimensions: [usize; 3], bytes_a_voxel: usize) -> usize {
     let slice = dimensions[0] * dimensions[1] * bytes_a_voxel;
     ((8 << 20) / slice.max(1)).clamp(1, MOST_SLICES).min(dimensions[2])

@@ -17,8 +17,9 @@ impl Spacing {
     /// Takes three spacings in mm.
     ///
     /// # Errors
-    /// [`VolumeError::InvalidSpacing`] where one is not positive and finite, [`VolumeError::UnlikelySpacing`] where one is below 1e-9 or above 1e9 mm, and
-    /// [`VolumeError::UnequalSpacing`] where one is more than 10,000 times another.
+    /// [`VolumeError::InvalidSpacing`] where one is not positive and finite, [`VolumeError::UnlikelySpacing`]
+    /// where one is below 1e-9 or above 1e9 mm, and [`VolumeError::UnequalSpacing`] where one is more than
+    /// 10,000 times another.
     pub fn new(mm: [f64; 3]) -> Result<Self, VolumeError> {
         if let Some(axis) = mm.iter().position(|h| !(h.is_finite() && *h > 0.0)) {
             return Err(VolumeError::InvalidSpacing { axis, value: mm[axis] });

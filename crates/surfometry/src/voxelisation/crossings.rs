@@ -11,10 +11,12 @@ pub(super) struct Crossing {
     pub(super) winding: i32,
 }
 
-/// Hands on the crossings of a triangle, whose corners are in units of voxels, with the rows that pass through it, by their y and z.
+/// Hands on the crossings of a triangle, whose corners are in units of voxels, with the rows that pass
+/// through it, by their y and z.
 ///
-/// A row belongs to exactly one of the triangles around an edge or a corner: predicates are exact (Shewchuk 1997), and where a row meets an edge it counts as moved by an
-/// infinitesimal step along y and a smaller one along z (simulation of simplicity, Edelsbrunner and Mücke 1990). So closed meshes have closed crossings.
+/// A row belongs to exactly one of the triangles around an edge or a corner: predicates are exact (Shewchuk
+/// 1997), and where a row meets an edge it counts as moved by an infinitesimal step along y and a smaller one
+/// along z (simulation of simplicity, Edelsbrunner and Mücke 1990). So closed meshes have closed crossings.
 pub(super) fn crossings_of(corners: [[f64; 3]; 3], mut found: impl FnMut([i64; 2], Crossing)) {
     let range = |axis: usize| {
         let (low, high) = least_and_largest(corners.map(|c| c[axis]));
@@ -26,7 +28,8 @@ pub(super) fn crossings_of(corners: [[f64; 3]; 3], mut found: impl FnMut([i64; 2
             let row = [y as f64, z as f64];
             let sides = [(0, 1), (1, 2), (2, 0)].map(|(from, to)| side(corners[from], corners[to], row));
             if sides[0] == sides[1] && sides[1] == sides[2] {
-                // A row that sees the triangle's corners turn counter-clockwise in y and z has its normal ahead: it leaves.
+                // A row that sees the triangle's corners turn counter-clockwise in y and z has its normal
+                // ahead: it leaves.
                 found([y, z], Crossing { x: height(corners, row), winding: -sides[0] });
             }
         }

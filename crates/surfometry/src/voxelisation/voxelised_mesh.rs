@@ -13,8 +13,9 @@ const MARGIN: i64 = 2;
 
 /// The voxels whose centres lie inside a closed mesh: label 1 inside, 0 outside.
 ///
-/// The lattice's centres are the whole multiples of the spacing from the world's origin, so meshes of one frame share it. Inside is what a surface goes round once or
-/// more: parts may overlap, cavities are surfaces that face the other way, and a mesh may be turned inside out.
+/// The lattice's centres are the whole multiples of the spacing from the world's origin, so meshes of one
+/// frame share it. Inside is what a surface goes round once or more: parts may overlap, cavities are surfaces
+/// that face the other way, and a mesh may be turned inside out.
 #[derive(Debug, Clone)]
 pub struct VoxelisedMesh {
     grid: Grid,
@@ -156,7 +157,8 @@ impl SlabReader for MeshSlabs<'_> {
     }
 }
 
-/// A surface has an inside where each edge is passed as often one way as the other; vertices count as one where they are at one place.
+/// A surface has an inside where each edge is passed as often one way as the other; vertices count as one
+/// where they are at one place.
 fn check_closed(mesh: &Mesh) -> Result<(), VoxeliseError> {
     let uses = Mesh { vertices: Vec::new(), triangles: merged_triangles(mesh) }.edge_uses();
     let open = || uses.iter().filter(|((a, b), [up, down])| a != b && up != down);

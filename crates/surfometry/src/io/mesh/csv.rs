@@ -1,5 +1,5 @@
-//! A table of the vertices: `x_mm,y_mm,z_mm`, then the arrays, vectors as `_x`, `_y`, `_z`. The shortest digits that
-//! give the same doubles again.
+//! A table of the vertices: `x_mm,y_mm,z_mm`, then the arrays, vectors as `_x`, `_y`, `_z`. The shortest
+//! digits that give the same doubles again.
 
 use super::MeshDocument;
 use super::document::columns;

@@ -81,8 +81,9 @@ impl<'a> MeshDocument<'a> {
         self.title.trim().chars().map(printable).collect()
     }
 
-    /// Whether everything fits together and can be written in single precision and with 32-bit indices, which most
-    /// formats have. One rule for all of them, so that a mesh is not refused in one format and cut short in another.
+    /// Whether everything fits together and can be written in single precision and with 32-bit indices, which
+    /// most formats have. One rule for all of them, so that a mesh is not refused in one format and cut short
+    /// in another.
     pub(super) fn check(&self) -> io::Result<()> {
         let (vertices, triangles) = (self.mesh.vertices.len(), self.mesh.triangles.len());
         if triangles == 0 {

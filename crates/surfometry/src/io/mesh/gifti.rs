@@ -1,7 +1,8 @@
 //! GIFTI 1.0 (Harwell et al., "GIFTI Surface Data Format", 2011): XML with arrays deflated and in base 64.
 //!
-//! Workbench takes a surface file that holds a point set and triangles and nothing else, so the arrays lie beside it,
-//! under the extensions that the format has for them: `.shape.gii` (scalars) and `.vector.gii` (vectors).
+//! Workbench takes a surface file that holds a point set and triangles and nothing else, so the arrays lie
+//! beside it, under the extensions that the format has for them: `.shape.gii` (scalars) and `.vector.gii`
+//! (vectors).
 
 use super::document::flat;
 use super::little_endian::{write_f32, write_indices};
@@ -24,7 +25,8 @@ enum Values<'a> {
     Index(&'a [[u32; 3]]),
 }
 
-/// Writes the surface and the files beside it; all of them or none, unless the file system fails between two renames.
+/// Writes the surface and the files beside it; all of them or none, unless the file system fails between two
+/// renames.
 pub(super) fn write_files(path: &Path, document: &MeshDocument<'_>) -> io::Result<Vec<PathBuf>> {
     let [surface_path, scalars, vectors] = paths(path)?;
     let mut files = vec![(surface_path, surface(document))];

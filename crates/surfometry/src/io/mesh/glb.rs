@@ -1,8 +1,8 @@
 //! glTF 2.0 in one binary file (Khronos, "glTF 2.0 Specification"; section numbers below are its).
 //!
-//! The format's own world is in metres with y up; ours are RAS and mm, and stay so, without a transforming node:
-//! numbers that are read back are the ones measured. A viewer shows the object lying down, which its orbit control
-//! undoes.
+//! The format's own world is in metres with y up; ours are RAS and mm, and stay so, without a transforming
+//! node: numbers that are read back are the ones measured. A viewer shows the object lying down, which its
+//! orbit control undoes.
 
 use super::MeshDocument;
 use super::document::flat;
@@ -66,8 +66,8 @@ fn attributes<'a>(document: &MeshDocument<'a>) -> Vec<Attribute<'a>> {
     [positions].into_iter().chain(normals).chain(colors).chain(own).collect()
 }
 
-/// Colours are linear in glTF (3.9.2): the inverse of IEC 61966-2-1's transfer function. As floats, since 8 bits of
-/// linear light are too few in the dark, and not every reader normalises 16.
+/// Colours are linear in glTF (3.9.2): the inverse of IEC 61966-2-1's transfer function. As floats, since 8
+/// bits of linear light are too few in the dark, and not every reader normalises 16.
 fn linear(colors: &[[u8; 3]]) -> Vec<f64> {
     let table: [f64; 256] = std::array::from_fn(|i| {
         let c = i as f64 / 255.0;

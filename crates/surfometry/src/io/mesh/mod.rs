@@ -1,5 +1,5 @@
-//! Meshes as files: one file a format. Positions are world coordinates (RAS) in mm in all of them, triangles face
-//! outward, and an array has the same name everywhere (docs/formats.md).
+//! Meshes as files: one file a format. Positions are world coordinates (RAS) in mm in all of them, triangles
+//! face outward, and an array has the same name everywhere (docs/formats.md).
 
 mod csv;
 mod document;
@@ -20,7 +20,8 @@ use super::write_whole;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
-/// A mesh file's format. Only VTP and CSV keep all digits of every array; docs/formats.md says what each one holds.
+/// A mesh file's format. Only VTP and CSV keep all digits of every array; docs/formats.md says what each one
+/// holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum MeshFormat {
     /// Polygon file format, binary: MeshLab, CloudCompare, Blender, trimesh.
@@ -71,13 +72,13 @@ impl MeshFormat {
     }
 }
 
-/// Writes a mesh in the format that the file's extension names, whole or not at all, and returns what was written: the
-/// file itself, and for GIFTI `NAME.shape.gii` (scalars) and `NAME.vector.gii` (vectors) beside `NAME.surf.gii` or
-/// `NAME.gii`, where there are such arrays.
+/// Writes a mesh in the format that the file's extension names, whole or not at all, and returns what was
+/// written: the file itself, and for GIFTI `NAME.shape.gii` (scalars) and `NAME.vector.gii` (vectors) beside
+/// `NAME.surf.gii` or `NAME.gii`, where there are such arrays.
 ///
 /// # Errors
-/// `InvalidInput` for an unknown extension or a document that does not hold together: no triangles, a vertex number or
-/// a length that is off, a value that is not finite. Otherwise whatever the file system says.
+/// `InvalidInput` for an unknown extension or a document that does not hold together: no triangles, a vertex
+/// number or a length that is off, a value that is not finite. Otherwise whatever the file system says.
 pub fn write_mesh(path: impl AsRef<Path>, document: &MeshDocument<'_>) -> io::Result<Vec<PathBuf>> {
     let path = path.as_ref();
     let Some(format) = MeshFormat::of_path(path) else {

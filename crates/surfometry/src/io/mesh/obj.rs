@@ -1,5 +1,5 @@
-//! Wavefront OBJ: positions, normals, and colours behind the positions, which is no part of the format but what
-//! MeshLab began and Blender, trimesh and others read. It has no place for other arrays.
+//! Wavefront OBJ: positions, normals, and colours behind the positions, which is no part of the format but
+//! what MeshLab began and Blender, trimesh and others read. It has no place for other arrays.
 
 use super::MeshDocument;
 use std::io::{self, Write};

@@ -1,7 +1,8 @@
 //! PLY, binary (Turk, "The PLY Polygon File Format", 1994).
 //!
-//! Positions are doubles, so that they lose nothing: MeshLab, trimesh and meshio keep them, VTK converts. Everything
-//! else is `float`, as most programs write it. Blender takes properties beyond the usual ones as attributes.
+//! Positions are doubles, so that they lose nothing: MeshLab, trimesh and meshio keep them, VTK converts.
+//! Everything else is `float`, as most programs write it. Blender takes properties beyond the usual ones as
+//! attributes.
 
 use super::MeshDocument;
 use super::document::columns;

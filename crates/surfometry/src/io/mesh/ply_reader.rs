@@ -1,4 +1,5 @@
-//! Meshes from PLY files: the header and single elements are read by `ply-rs-bw`, which keeps whole files in maps of names.
+//! Meshes from PLY files: the header and single elements are read by `ply-rs-bw`, which keeps whole files in
+//! maps of names.
 
 use super::super::ReadError;
 use crate::surface::Mesh;

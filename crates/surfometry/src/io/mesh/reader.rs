@@ -12,7 +12,8 @@ pub fn is_mesh(path: &Path) -> bool {
     matches!(MeshFormat::of_path(path), Some(MeshFormat::Stl | MeshFormat::Ply))
 }
 
-/// Reads the triangles of an STL or PLY file, text or binary; polygons are cut into fans. Coordinates are taken as they are, in mm.
+/// Reads the triangles of an STL or PLY file, text or binary; polygons are cut into fans. Coordinates are
+/// taken as they are, in mm.
 ///
 /// # Errors
 /// [`ReadError::Io`], or [`ReadError::Header`] for a file that is not what its name says.

@@ -1,4 +1,5 @@
-//! STL, binary: an 80-byte header, the number of triangles, 50 bytes each. It has no shared vertices and no arrays.
+//! STL, binary: an 80-byte header, the number of triangles, 50 bytes each. It has no shared vertices and no
+//! arrays.
 
 use super::MeshDocument;
 use super::little_endian::write_f32;
@@ -16,7 +17,8 @@ pub(super) fn write(out: &mut dyn Write, document: &MeshDocument<'_>) -> io::Res
     Ok(())
 }
 
-/// 3D Slicer looks for `SPACE=RAS`. In front, it keeps the word `solid` away from where it would mean a text file.
+/// 3D Slicer looks for `SPACE=RAS`. In front, it keeps the word `solid` away from where it would mean a text
+/// file.
 fn header(title: &str) -> [u8; 80] {
     let mut header = [b' '; 80];
     let text = format!("SPACE=RAS {title}");
