@@ -127,20 +127,19 @@ fn zeros_and_ones_are_a_mask() {
     }
 }
 
-/// Standard errors hold on shapes, poses and spacings that nothing was fitted to, and V's are a fraction of a
-/// mask's.
-#[test]
-fn standard_errors_hold() {
+/// How many of V, A and M lie within two standard errors, and of how many cases, in poses and sizes that follow
+/// from a seed.
+fn within_two_errors(seed: f64) -> ([usize; 3], usize) {
     let mut number = 0.0f64;
     let mut chance = move || {
         number += 0.618_033_988_749;
-        (number * 7919.0 + 0.61).fract()
+        (number * 7919.0 + seed).fract()
     };
     let mut within = [0; 3];
     let mut cases = 0;
-    for spacing in [[1.0; 3], [0.8, 1.0, 1.3], [0.6, 0.6, 1.2]] {
+    for spacing in [[1.0; 3], [0.8, 1.0, 1.3], [0.6, 0.6, 1.2], [0.5, 0.5, 1.5]] {
         for sigma in [1.4, 2.3] {
-            for (_, shape) in shapes(8.0 + 8.0 * chance()) {
+            for (name, shape) in shapes(8.0 + 8.0 * chance()) {
                 let pose = Pose::new([(); 3].map(|()| 180.0 * chance()), [(); 3].map(|()| chance() - 0.5));
                 let phantom = phantom(shape, pose, spacing);
                 let measured =
@@ -153,13 +152,25 @@ fn standard_errors_hold() {
                     bars.total_mean_curvature_mm.unwrap() / truth.total_mean_curvature,
                 ];
                 let shares: [f64; 3] = std::array::from_fn(|n| found[n] / (100.0 * bars[n]));
-                println!("{spacing:?} {sigma}: {found:+.4?} %, in standard errors {shares:+.2?}");
+                println!("{name} {spacing:?} {sigma}: {found:+.4?} %, in standard errors {shares:+.2?}");
                 (0..3).for_each(|n| within[n] += usize::from(shares[n].abs() <= 2.0));
                 cases += 1;
             }
         }
     }
-    assert!(within.iter().all(|&n| 20 * n >= 19 * cases), "{within:?} of {cases}");
+    (within, cases)
+}
+
+/// Standard errors hold on shapes, poses and spacings that nothing was fitted to, and V's are a fraction of a
+/// mask's. SOFT_SEEDS, a list of numbers between 0 and 1, tries others.
+#[test]
+fn standard_errors_hold() {
+    let seeds = std::env::var("SOFT_SEEDS").unwrap_or_else(|_| "0.61".to_owned());
+    for seed in seeds.split(',').map(|seed| seed.parse().unwrap()) {
+        let (within, cases) = within_two_errors(seed);
+        println!("seed {seed}: {within:?} of {cases}");
+        assert!(within.iter().all(|&n| 20 * n >= 19 * cases), "{within:?} of {cases}");
+    }
     let ball = phantom(Ball { radius: 25.0 }, poses()[2], [1.0; 3]);
     let soft = Measurement::default().run_probability(occupancies(&ball)).unwrap();
     let hard = common::measure(&ball, &Measurement::default());

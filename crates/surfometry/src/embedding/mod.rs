@@ -51,7 +51,7 @@ use crate::tiling::{Block, IndexBox};
 /// let scheme = GaussianDerivatives::new(embedding);
 /// let points = [[21.7, 21.7, 21.7], [8.3, 8.3, 21.7]];
 /// for jet in scheme.jets(&points) {
-///     assert!((Curvature::of(&jet).unwrap().mean - 1.0 / 11.6).abs() < 0.02);
+///     assert!((Curvature::of(&jet).unwrap().mean_curvature - 1.0 / 11.6).abs() < 0.02);
 /// }
 ///
 /// // The zero level as a mesh.

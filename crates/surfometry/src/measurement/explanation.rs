@@ -280,8 +280,8 @@ mod tests {
         assert_eq!((of_blur.expected_in_band, of_blur.weakest), (None, None));
         // Few voxels are on the other side of the blur, and many in the band.
         assert!(object.explain_topology_of(Looked::Blur, 10, &time).is_none());
-        assert!(object.explain_topology_of(Looked::BlurAndBand, 2_000, &time).is_none());
-        assert!(object.explain_topology_of(Looked::Blur, 2_000, &time).is_some());
+        assert!(object.explain_topology_of(Looked::BlurAndBand, 8_000, &time).is_none());
+        assert!(object.explain_topology_of(Looked::Blur, 8_000, &time).is_some());
         let unexplained = |measured: &Measured, code| {
             measured.flags.iter().find(|f| f.code == code).is_none_or(|f| f.message.ends_with(UNEXPLAINED))
         };
