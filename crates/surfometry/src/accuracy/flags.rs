@@ -40,6 +40,10 @@ pub enum FlagCode {
     ThinForSigma,
     /// Gaps between parts of the object are narrower than about 2.4 sigma.
     NarrowGap,
+    /// The blur took detail away, or filled gaps, for good.
+    DetailLost,
+    /// The standard error of the area is more than 2 % of it.
+    LargeError,
     /// Compensation is not defined for these parameters.
     CompensationUndefined,
     /// The distance embedding is quantised: its curvature is noise.

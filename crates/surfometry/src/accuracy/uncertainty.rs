@@ -25,6 +25,17 @@ pub struct IntegralErrors {
     pub total_squared_mean_curvature: f64,
 }
 
+impl IntegralErrors {
+    /// The same with more of a cause that is independent of the others.
+    #[must_use]
+    pub fn with(self, area: f64, total_mean_curvature: f64, surface: &SurfaceIntegrals) -> Self {
+        let area = libm::hypot(self.area, area);
+        let total_mean_curvature = libm::hypot(self.total_mean_curvature, total_mean_curvature);
+        let average_mean_curvature = of_average(surface, area, total_mean_curvature);
+        Self { area, total_mean_curvature, average_mean_curvature, ..self }
+    }
+}
+
 /// What is left after compensation, in units of sigma^4 times the integral of the third, fourth and fifth
 /// power of the larger principal curvature for V, A and M. On balls of R = 5 sigma it is 0.117, 0.29 and 0.34
 /// of that (closed form); somewhat more here, as calibrated on the zoo (docs/accuracy.md).

@@ -28,7 +28,7 @@ pub fn integrate_boxes<D: Differentiation + ?Sized>(
 ) -> Partial {
     let part = |tile: &IndexBox| {
         let field = scheme.tile_field(Vec::new(), tile, band.delta().half_width());
-        Partial::of_tile(scheme, &field, tile, band, quadrature, &mut Duration::default())
+        Partial::of_tile(scheme, &field, tile, band, quadrature, &mut |_| {}, &mut Duration::default())
     };
     boxes.par_iter().map(part).reduce(Partial::default, |a, b| a.merged(&b))
 }

@@ -133,14 +133,15 @@ impl NarrowVoxels {
 }
 
 impl Partial {
-    /// The part of one tile, from its field. The time that summing takes, not differentiating, is added to
-    /// `summing`.
+    /// The part of one tile, from its field. The voxels of its band are shown to `look` as well. The time that
+    /// summing and looking take, not differentiating, is added to `summing`.
     pub fn of_tile<D: Differentiation + ?Sized>(
         scheme: &D,
         field: &TileField<D>,
         tile: &IndexBox,
         band: &Band,
         quadrature: &Quadrature,
+        look: &mut dyn FnMut(&BandVoxels),
         summing: &mut Duration,
     ) -> Self {
         let start = Instant::now();
@@ -161,6 +162,7 @@ impl Partial {
                 scheme.visit_band(field, tile, half_width, &mut |voxels| {
                     let start = Instant::now();
                     dispatch!(Level::new(), _simd => sums.add(voxels, band, &weights));
+                    look(voxels);
                     *summing += start.elapsed();
                 });
                 partial.volume.add(beyond + sums.volume.iter().sum::<f64>());

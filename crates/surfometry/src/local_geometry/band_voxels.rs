@@ -67,15 +67,17 @@ impl BandVoxels {
 
     /// One by one.
     pub fn iter(&self) -> impl Iterator<Item = BandVoxel> + '_ {
-        self.indices().enumerate().map(|(n, index)| {
-            let number = |column: usize| self.columns[column][n];
-            let jet = Jet {
-                value: number(0),
-                gradient: std::array::from_fn(|a| number(1 + a)),
-                hessian: std::array::from_fn(|a| number(4 + a)),
-            };
-            BandVoxel { index, jet }
-        })
+        self.indices().enumerate().map(|(number, index)| BandVoxel { index, jet: self.jet(number) })
+    }
+
+    /// The field and its derivatives at one of them, by number.
+    pub(crate) fn jet(&self, number: usize) -> Jet {
+        let of = |column: usize| self.columns[column][number];
+        Jet {
+            value: of(0),
+            gradient: std::array::from_fn(|a| of(1 + a)),
+            hessian: std::array::from_fn(|a| of(4 + a)),
+        }
     }
 
     /// Adds those of 8 neighbours along x whose bits are set; their numbers lie in `columns` from `from` on,

@@ -139,11 +139,14 @@ impl<'a> Labels<'a> {
         let image = setup.grid.index_box();
         // What is in reach of the box decides; so a small object costs nothing, however far a blur spreads
         // it.
+        let tiles = tiles_of(region, &image);
+        let watch = setup.watch(&mask, tiles);
         let sums = if bound.is_some_and(|bound| bound.has_no_band(&mask)) {
-            ObjectSums::default()
+            let detail = watch.map(|watch| watch.outside(&IndexBox::EMPTY)).unwrap_or_default();
+            ObjectSums { detail, ..ObjectSums::default() }
         } else {
             let cells = bound.and_then(|bound| bound.cells_of_band(&mask));
-            let pass = Pass { tiles: Some(tiles_of(region, &image)), region: cells, ..setup.pass(true) };
+            let pass = Pass { tiles: Some(tiles), region: cells, watch, ..setup.pass(true) };
             Scheme::of_part(setup, &mask).sums(&pass)
         };
         let integrated = sums.times.share_of_integrals(start.elapsed());

@@ -78,6 +78,10 @@ impl Setup {
         let mut flags = self.parameter_flags(totals.voxels.cut_areas(&self.grid), area, clip);
         flags.extend(raise_flags(&evidence));
         flags.extend(surface.and_then(|integrals| self.soft?.flag(self.original_area(&integrals))));
+        let detail = &totals.sums.detail;
+        let original = self.described() == DescribedSurface::Original;
+        let taken = area.filter(|_| original).and_then(|area| detail.flag(area, &self.grid));
+        flags.extend(taken);
         let errors = surface.and_then(|integrals| self.error_model(&integrals));
         if errors.is_none() && surface.is_some() {
             flags.push(Flag::new(FlagCode::NotComputed, NO_ERRORS));
@@ -91,9 +95,15 @@ impl Setup {
         let topology = TopologySummary::of(&topology, mesh.as_ref());
         let surface = self.described();
         let [values, standard_error] = match surface {
-            DescribedSurface::Original => self.original(surviving, terms, exact_euler(&topology, open)),
+            DescribedSurface::Original => {
+                let counted = self.soft.is_none().then_some(evidence.voxel_volume);
+                self.original(totals, surviving, terms, counted, exact_euler(&topology, open))
+            }
             DescribedSurface::Blurred | DescribedSurface::Given => [blurred.values, SurfaceValues::default()],
         };
+        if surface == DescribedSurface::Original {
+            flags.extend(large_error(&values, &standard_error));
+        }
         Measured {
             surface,
             values,
@@ -123,26 +133,42 @@ impl Setup {
     }
 
     /// Numbers of the original object and their standard errors, with its exact Euler characteristic.
+    ///
+    /// V is that of the voxels, whose count has no bias however thin the object is. The blurred surface's,
+    /// compensated, has the same noise, which a blur only moves, and what compensation leaves besides.
     fn original(
         &self,
+        totals: &Totals,
         blurred: Option<Integrals>,
         terms: Option<CompensationTerms>,
+        counted: Option<f64>,
         euler: Option<i64>,
     ) -> [SurfaceValues; 2] {
-        let model = blurred.and_then(|blurred| self.error_model(&blurred));
-        let modelled = model.zip(blurred).filter(|_| terms.is_some());
-        let errors = modelled.map(|(model, blurred)| SurfaceValues::of_errors(&model.compensated(&blurred)));
+        let modelled = blurred.and_then(|blurred| Some((self.error_model(&blurred)?, blurred)));
+        let compensated_errors = modelled.filter(|_| terms.is_some()).map(|(model, blurred)| {
+            let (detail, spacing) = (&totals.sums.detail, self.grid.spacing());
+            let lost = [detail.area(spacing), detail.total_mean_curvature(spacing)];
+            model.compensated(&blurred).with(lost[0], lost[1], &blurred.surface)
+        });
+        let errors = compensated_errors.as_ref().map(SurfaceValues::of_errors).unwrap_or_default();
+        // Copies of one part are all off in the same direction.
+        let copies = f64::from(totals.voxels.symmetry(self.grid.spacing()));
+        let counted_error =
+            modelled.map(|(model, blurred)| model.grid_noise(&blurred).volume * copies.sqrt());
         let exact = euler.map(|_| 0.0);
+        let values = compensated(blurred, terms);
         [
             SurfaceValues {
+                volume_mm3: counted.or(values.volume_mm3),
                 total_gaussian_curvature: euler.map(|chi| TAU * chi as f64),
                 euler_characteristic: euler.map(|chi| chi as f64),
-                ..compensated(blurred, terms)
+                ..values
             },
             SurfaceValues {
+                volume_mm3: counted.map_or(errors.volume_mm3, |_| counted_error),
                 total_gaussian_curvature: exact,
                 euler_characteristic: exact,
-                ..errors.unwrap_or_default()
+                ..errors
             },
         ]
     }
@@ -221,6 +247,18 @@ impl Setup {
         }
         flags
     }
+}
+
+/// Standard error of the area, as a share of it, from which on it is told of.
+const LARGE_ERROR: f64 = 0.02;
+
+fn large_error(values: &SurfaceValues, errors: &SurfaceValues) -> Option<Flag> {
+    let share = errors.surface_area_mm2? / values.surface_area_mm2?;
+    let message = format!(
+        "the standard error of the area is {:.1} % of it: edges, detail or gaps of the size of the blur; use a smaller sigma, or scan finer",
+        100.0 * share
+    );
+    (share > LARGE_ERROR).then(|| Flag::new(FlagCode::LargeError, message))
 }
 
 /// Of an open surface, the Euler characteristic has a part from the boundary (Gauss-Bonnet).

@@ -203,7 +203,12 @@ impl Object {
 
     /// What the tiles of the measured part add up to.
     fn sums(&self, with_surface: bool) -> ObjectSums {
-        let pass = Pass { region: self.region(), ..self.setup.pass(with_surface) };
+        let region = self.region();
+        let watch = match &self.content {
+            Content::Mask(mask) => self.setup.watch(mask, region.unwrap_or(IndexBox::EVERYTHING)),
+            _ => None,
+        };
+        let pass = Pass { region, watch, ..self.setup.pass(with_surface) };
         self.scheme().map(|scheme| scheme.sums(&pass)).unwrap_or_default()
     }
 

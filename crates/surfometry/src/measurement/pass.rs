@@ -1,8 +1,9 @@
 //! One walk over an object's tiles for everything that is summed over them.
 
+use super::detail::{Detail, Watch};
 use crate::Control;
 use crate::integrals::{Band, Partial, Quadrature};
-use crate::local_geometry::{Differentiation, FieldValue, TileField};
+use crate::local_geometry::{BandVoxels, Differentiation, FieldValue, TileField};
 use crate::surface::{SurfaceSums, TileMesh, cell_limits};
 use crate::tiling::{IndexBox, Pool, TILE};
 use crate::volume::Spacing;
@@ -15,6 +16,7 @@ use std::time::{Duration, Instant};
 pub(super) struct ObjectSums {
     pub(super) integrals: Partial,
     pub(super) surface: SurfaceSums,
+    pub(super) detail: Detail,
     pub(super) times: StageTimes,
 }
 
@@ -29,7 +31,7 @@ pub(super) struct StageTimes {
 
 impl PartialEq for ObjectSums {
     fn eq(&self, other: &Self) -> bool {
-        self.integrals == other.integrals && self.surface == other.surface
+        (&self.integrals, &self.surface, &self.detail) == (&other.integrals, &other.surface, &other.detail)
     }
 }
 
@@ -39,6 +41,7 @@ impl ObjectSums {
         Self {
             integrals: self.integrals.merged(&other.integrals),
             surface: self.surface.merged(&other.surface),
+            detail: self.detail.merged(&other.detail),
             times: self.times.merged(&other.times),
         }
     }
@@ -73,6 +76,8 @@ pub(super) struct Pass<'a> {
     pub(super) region: Option<IndexBox>,
     /// Where the tiles begin that are wanted; all where `None`.
     pub(super) tiles: Option<IndexBox>,
+    /// What the field is compared with, of voxels.
+    pub(super) watch: Option<Watch<'a>>,
     /// Who may stop it; the sums are not to be used then.
     pub(super) control: &'a Control,
 }
@@ -87,7 +92,9 @@ impl Pass<'_> {
         let wanted = |tile: &IndexBox| self.tiles.is_none_or(|region| region.contains(tile.lower));
         let mut tiles = limits.tiles(TILE);
         tiles.retain(wanted);
-        tiles.par_iter().map(part).reduce(ObjectSums::default, |a, b| a.merged(&b))
+        let sums = tiles.par_iter().map(part).reduce(ObjectSums::default, |a, b| a.merged(&b));
+        let detail = self.watch.map(|watch| watch.outside(&limits)).unwrap_or_default();
+        ObjectSums { detail: sums.detail.merged(&detail), ..sums }
     }
 
     fn tile<D: Differentiation>(
@@ -104,7 +111,14 @@ impl Pass<'_> {
         let field = scheme.tile_field(std::mem::take(memory), tile, self.band.delta().half_width());
         let embedded = Instant::now();
         let mut summing = Duration::ZERO;
-        let integrals = Partial::of_tile(scheme, &field, tile, self.band, self.quadrature, &mut summing);
+        let mut detail = self.watch.map(|watch| watch.beyond_band(&field, tile)).unwrap_or_default();
+        let look = &mut |voxels: &BandVoxels| {
+            if let Some(watch) = &self.watch {
+                watch.in_band(voxels, &mut detail);
+            }
+        };
+        let integrals =
+            Partial::of_tile(scheme, &field, tile, self.band, self.quadrature, look, &mut summing);
         let integrated = Instant::now();
         let mut surface = SurfaceSums::default();
         if let TileField::Varying(field) = field {
@@ -119,6 +133,6 @@ impl Pass<'_> {
             integrate: summing,
             surface: integrated.elapsed(),
         };
-        ObjectSums { integrals, surface, times }
+        ObjectSums { integrals, surface, detail, times }
     }
 }

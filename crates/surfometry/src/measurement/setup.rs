@@ -1,5 +1,6 @@
 //! What is decided before an object's voxels are known.
 
+use super::detail::Watch;
 use super::pass::Pass;
 use super::{Derivatives, EmbeddingKind, MeasureError, Measurement, Parameters};
 use crate::Control;
@@ -7,7 +8,8 @@ use crate::accuracy::{ErrorModel, SoftEdges, Terraces};
 use crate::embedding::{TRUNCATION, TRUNCATION_OF_BLUR};
 use crate::integrals::{Band, Quadrature, QuadratureRule, SmearedDelta};
 use crate::local_geometry::{CentralWeights, matched_weights};
-use crate::volume::{Grid, ProbabilityImage, Spacing};
+use crate::tiling::IndexBox;
+use crate::volume::{Grid, Mask, ProbabilityImage, Spacing};
 
 /// The choices for one image, filled in.
 #[derive(Debug, Clone)]
@@ -32,6 +34,8 @@ pub(super) struct Setup {
 
 /// Least sigma, in geometric means of the spacings, for which errors are modelled.
 const LEAST_SIGMA: f64 = 1.2;
+/// The same in largest spacings: of thicker slices the blur leaves steps that are no smooth surface.
+const LEAST_SIGMA_OF_SLICES: f64 = 0.5;
 
 impl Setup {
     /// For objects that are masks.
@@ -91,8 +95,16 @@ impl Setup {
             with_surface,
             region: None,
             tiles: None,
+            watch: None,
             control: &self.control,
         }
+    }
+
+    /// Compares the voxels of a box with the field that is made of them, where that is a blur.
+    pub(super) fn watch<'a>(&self, mask: &'a Mask, owned: IndexBox) -> Option<Watch<'a>> {
+        let shift = self.parameters.shift_sigma().unwrap_or(0.0);
+        let blurs = self.parameters.embedding.is_blur();
+        blurs.then(|| Watch::new(mask, owned, self.grid.spacing(), shift, &self.band))
     }
 
     /// Where kernels end, in sigma.
@@ -105,7 +117,8 @@ impl Setup {
 }
 
 fn error_model(p: &Parameters, spacing: Spacing) -> Option<ErrorModel> {
-    let enough = |sigma: &f64| *sigma >= LEAST_SIGMA * spacing.geometric_mean();
+    let least = (LEAST_SIGMA * spacing.geometric_mean()).max(LEAST_SIGMA_OF_SLICES * spacing.largest());
+    let enough = |sigma: &f64| *sigma >= least;
     let sigma = p.sigma_mm.filter(|sigma| p.level == Some(0.5) && enough(sigma))?;
     let studied = p.derivatives != Derivatives::FiniteDifference && p.quadrature == QuadratureRule::Sum;
     studied.then(|| ErrorModel::new(spacing, sigma, p.thickness_mm))

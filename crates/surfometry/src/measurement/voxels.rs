@@ -2,7 +2,7 @@
 
 use super::VoxelSummary;
 use crate::tiling::IndexBox;
-use crate::volume::{Grid, Mask};
+use crate::volume::{Grid, Mask, Spacing};
 use serde::{Deserialize, Serialize};
 
 /// Counts of an object's voxels. Sums of indices are whole numbers, so nothing is rounded before the last
@@ -10,8 +10,10 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) struct VoxelCounts {
     count: i128,
-    /// Of twice the indices.
+    /// Of twice the indices, and of its square and cube.
     sums: [i128; 3],
+    squares: [i128; 3],
+    cubes: [i128; 3],
     bounds: IndexBox,
     /// In the image's first and last slice of each axis.
     at_edge: [[u64; 2]; 3],
@@ -19,7 +21,14 @@ pub(super) struct VoxelCounts {
 
 impl Default for VoxelCounts {
     fn default() -> Self {
-        Self { count: 0, sums: [0; 3], bounds: IndexBox::EMPTY, at_edge: [[0; 2]; 3] }
+        Self {
+            count: 0,
+            sums: [0; 3],
+            squares: [0; 3],
+            cubes: [0; 3],
+            bounds: IndexBox::EMPTY,
+            at_edge: [[0; 2]; 3],
+        }
     }
 }
 
@@ -40,9 +49,20 @@ impl VoxelCounts {
     fn add(&mut self, (a, b): (i64, i64), y: i64, z: i64, last: [i64; 3]) {
         let length = i128::from(b - a);
         self.count += length;
-        self.sums[0] += length * i128::from(a + b - 1);
-        self.sums[1] += length * 2 * i128::from(y);
-        self.sums[2] += length * 2 * i128::from(z);
+        let below = |n: i64| {
+            // Sums of x, x^2 and x^3 over 0 <= x < n, also of negative n.
+            let n = i128::from(n);
+            let first = n * (n - 1) / 2;
+            [first, (n - 1) * n * (2 * n - 1) / 6, first * first]
+        };
+        let ([to, squares_to, cubes_to], [from, squares_from, cubes_from]) = (below(b), below(a));
+        let along = [2 * (to - from), 4 * (squares_to - squares_from), 8 * (cubes_to - cubes_from)];
+        let same = |at: i64| [1, 2, 3].map(|power| length * (2 * i128::from(at)).pow(power));
+        for (axis, [sum, square, cube]) in [along, same(y), same(z)].into_iter().enumerate() {
+            self.sums[axis] += sum;
+            self.squares[axis] += square;
+            self.cubes[axis] += cube;
+        }
         for (axis, voxels, [first, end]) in [(0, 1, [a, b - 1]), (1, b - a, [y; 2]), (2, b - a, [z; 2])] {
             self.at_edge[axis][0] += if first == 0 { voxels as u64 } else { 0 };
             self.at_edge[axis][1] += if end == last[axis] { voxels as u64 } else { 0 };
@@ -53,7 +73,11 @@ impl VoxelCounts {
     /// Adds what was counted elsewhere.
     pub(super) fn merge(&mut self, other: &Self) {
         self.count += other.count;
-        self.sums.iter_mut().zip(other.sums).for_each(|(sum, more)| *sum += more);
+        for (all, more) in
+            [(&mut self.sums, other.sums), (&mut self.squares, other.squares), (&mut self.cubes, other.cubes)]
+        {
+            all.iter_mut().zip(more).for_each(|(sum, more)| *sum += more);
+        }
         let edges = self.at_edge.as_flattened_mut().iter_mut();
         edges.zip(other.at_edge.as_flattened()).for_each(|(voxels, more)| *voxels += more);
         self.bounds = self.bounds.hull(&other.bounds);
@@ -62,6 +86,28 @@ impl VoxelCounts {
     /// Whether counts that were read can be those of an image.
     pub(super) fn are_valid(&self, grid: &Grid) -> bool {
         grid.index_box().holds(&self.bounds) && (0..=grid.voxel_count() as i128).contains(&self.count)
+    }
+
+    /// How many copies of one part the object consists of, by its mirror planes across the axes and by axes
+    /// that are alike: 48 for a ball whose centre is a voxel's centre, corner or the like. Mirrored objects
+    /// have no odd moments about the middle of their box, and moments that are whole numbers tell that
+    /// exactly.
+    pub(super) fn symmetry(&self, spacing: Spacing) -> u32 {
+        let central = |axis: usize| {
+            let middle = i128::from(self.bounds.lower[axis] + self.bounds.upper[axis] - 1);
+            let (n, s, q, c) = (self.count, self.sums[axis], self.squares[axis], self.cubes[axis]);
+            let odd = [s - middle * n, c - 3 * middle * q + 3 * middle * middle * s - middle.pow(3) * n];
+            (odd == [0; 2]).then_some(q - 2 * middle * s + middle * middle * n)
+        };
+        let squares: [Option<i128>; 3] = std::array::from_fn(central);
+        let h = spacing.mm();
+        let alike = |a: usize, b: usize| squares[a].is_some() && squares[a] == squares[b] && h[a] == h[b];
+        let orders = match [alike(0, 1), alike(0, 2), alike(1, 2)].map(u32::from).iter().sum() {
+            3 => 6,
+            0 => 1,
+            _ => 2,
+        };
+        orders << squares.iter().flatten().count()
     }
 
     /// Area of the voxels' faces on the image's first and last slice of each axis, mm^2: where the image cuts

@@ -12,6 +12,11 @@ pub struct IndexBox {
     pub upper: [i64; 3],
 }
 
+impl IndexBox {
+    /// All that indices reach.
+    pub(crate) const EVERYTHING: Self = Self { lower: [i64::MIN; 3], upper: [i64::MAX; 3] };
+}
+
 /// As ranges of indices, their ends left out.
 impl fmt::Display for IndexBox {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
