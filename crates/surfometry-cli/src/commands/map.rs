@@ -57,9 +57,12 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
         say_flags(&found.results);
     }
     let mut names: Vec<String> = found.results.iter().flat_map(|r| r.files.clone()).collect();
-    if !documents.is_empty() && !outcome.stopped {
+    if !documents.is_empty() {
         let text = map_document(&found)?;
         for path in documents {
+            // Of a run that was stopped, what was finished.
+            let ending = if outcome.stopped { ".partial" } else { "" };
+            let path = PathBuf::from(format!("{}{ending}", path.display()));
             deliver(&text, Some(&path))?;
             names.push(path.display().to_string());
         }

@@ -20,7 +20,8 @@ use anyhow::{Context, Result, bail};
 use serde::Serialize;
 use serde_json::json;
 use std::io::{ErrorKind, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use surfometry::inputs::{OpenOptions, open};
 use surfometry::io::write_whole;
 use surfometry::runs::{Collected, MAP_SCHEMA, SurfaceRecord};
 
@@ -54,8 +55,14 @@ pub(crate) fn check_output(file: Option<&Path>, inputs: &[String]) -> Result<()>
     if path.is_dir() {
         bail!("{}: a folder; name a file in it", path.display());
     }
+    // Its header's or its voxels' file; what cannot be opened has its own error later.
     let same = |input: &String| {
-        path.canonicalize().is_ok_and(|p| Path::new(input).canonicalize().is_ok_and(|i| i == p))
+        let Ok(output) = path.canonicalize() else { return false };
+        let own = Path::new(input).canonicalize().is_ok_and(|i| i == output);
+        let is_there = |file: &PathBuf| file.canonicalize().is_ok_and(|i| i == output);
+        let options = OpenOptions { spacing: Some([1.0; 3]) };
+        let parts = || open(input, &options).is_ok_and(|source| source.files().iter().any(is_there));
+        own || (has_parts(input) && parts())
     };
     match inputs.iter().find(|input| same(input)) {
         Some(input) => {
@@ -63,6 +70,12 @@ pub(crate) fn check_output(file: Option<&Path>, inputs: &[String]) -> Result<()>
         }
         None => Ok(()),
     }
+}
+
+/// Whether a header's name says that its voxels are in another file.
+fn has_parts(input: &str) -> bool {
+    let name = input.to_lowercase();
+    [".mhd", ".nhdr", ".hdr", ".hdr.gz", ".img", ".img.gz"].iter().any(|ending| name.ends_with(ending))
 }
 
 /// Prints to stdout (also for `-`), or writes a file, whole or not at all.

@@ -16,8 +16,8 @@ pub(crate) struct Layout {
 }
 
 impl Layout {
-    /// Rows between two headers.
-    const PART: usize = 4096;
+    /// Rows from which on the next object has a header above it.
+    const PART: usize = 12_288;
 
     pub(crate) fn new(columns: &[&str]) -> Self {
         let columns: Vec<String> = columns.iter().map(ToString::to_string).collect();
@@ -31,10 +31,15 @@ impl Layout {
     }
 
     pub(crate) fn row(&mut self, cells: Vec<String>) {
-        if self.part.row_count() == Self::PART {
+        self.rows(vec![cells]);
+    }
+
+    /// Rows that stay together.
+    pub(crate) fn rows(&mut self, rows: Vec<Vec<String>>) {
+        if self.part.row_count() >= Self::PART {
             self.end_part();
         }
-        self.part.add_row(cells);
+        self.part.add_rows(rows);
     }
 
     fn end_part(&mut self) {
@@ -67,9 +72,7 @@ pub(crate) fn record_tables(explain: bool) -> TableStyle<Record> {
 fn input_text(records: &[Record], explain: bool) -> String {
     let mut layout = Layout::new(&COLUMNS);
     for record in records {
-        for row in rows(record, explain) {
-            layout.row(row);
-        }
+        layout.rows(rows(record, explain));
     }
     let changes = if explain { changes_text(records) } else { String::new() };
     heading(&records[0]) + &layout.text() + &changes + &flags_text(&records.iter().collect::<Vec<_>>())

@@ -6,7 +6,7 @@ mod quadrature;
 mod smeared;
 
 pub use band::Band;
-pub use partial::{NarrowVoxels, Partial, SurfaceIntegrals};
+pub use partial::{NarrowVoxels, Observer, Partial, SurfaceIntegrals};
 pub use quadrature::{Quadrature, QuadratureRule};
 pub use smeared::{SmearedDelta, Smearing};
 
@@ -28,7 +28,14 @@ pub fn integrate_boxes<D: Differentiation + ?Sized>(
 ) -> Partial {
     let part = |tile: &IndexBox| {
         let field = scheme.tile_field(Vec::new(), tile, band.delta().half_width());
-        Partial::of_tile(scheme, &field, tile, band, quadrature, &mut |_| {}, &mut Duration::default())
+        Partial::of_tile(
+            scheme,
+            &field,
+            tile,
+            band,
+            quadrature,
+            Observer { look: &mut |_| {}, summing: &mut Duration::default() },
+        )
     };
     boxes.par_iter().map(part).reduce(Partial::default, |a, b| a.merged(&b))
 }

@@ -132,17 +132,23 @@ impl NarrowVoxels {
     }
 }
 
+/// Who looks on while a tile is summed.
+pub struct Observer<'a> {
+    /// Sees the voxels of the band.
+    pub look: &'a mut dyn FnMut(&BandVoxels),
+    /// The time that summing and looking take, not differentiating, is added to it.
+    pub summing: &'a mut Duration,
+}
+
 impl Partial {
-    /// The part of one tile, from its field. The voxels of its band are shown to `look` as well. The time that
-    /// summing and looking take, not differentiating, is added to `summing`.
+    /// The part of one tile, from its field. The voxels of its band are shown to an observer as well.
     pub fn of_tile<D: Differentiation + ?Sized>(
         scheme: &D,
         field: &TileField<D>,
         tile: &IndexBox,
         band: &Band,
         quadrature: &Quadrature,
-        look: &mut dyn FnMut(&BandVoxels),
-        summing: &mut Duration,
+        Observer { look, summing }: Observer,
     ) -> Self {
         let start = Instant::now();
         let weights = Weights::new(quadrature, *tile);

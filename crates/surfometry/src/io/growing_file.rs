@@ -1,7 +1,7 @@
 //! Files that grow while a run goes on, and take their name when it has ended.
 
 use std::ffi::OsString;
-use std::fs::{self, File};
+use std::fs::{self, File, TryLockError};
 use std::io::{self, Seek, Write};
 use std::path::{Path, PathBuf};
 
@@ -34,7 +34,14 @@ impl GrowingFile {
         let mut name = target.file_name().map_or_else(OsString::new, OsString::from);
         name.push(".partial");
         let partial = target.with_file_name(name);
-        Ok(Self { file: File::create(&partial)?, end: 0, partial, target })
+        let file = File::options().write(true).create(true).truncate(false).open(&partial)?;
+        // An unfinished one of a run that was killed is written over, but not one that another run is at.
+        if let Err(TryLockError::WouldBlock) = file.try_lock() {
+            let error = format!("another run is writing it ({})", partial.display());
+            return Err(io::Error::new(io::ErrorKind::ResourceBusy, error));
+        }
+        file.set_len(0)?;
+        Ok(Self { file, end: 0, partial, target })
     }
 
     /// Gives the file its name.
@@ -192,6 +199,7 @@ mod tests {
         file.write_secured(b"one", b" and the end").unwrap();
         let partial = folder.path().join("results.json.partial");
         assert_eq!(fs::read(&partial).unwrap(), b"one and the end");
+        assert_eq!(GrowingFile::create(&path).unwrap_err().kind(), io::ErrorKind::ResourceBusy);
         assert_eq!(fs::read(&path).unwrap(), b"old");
         file.write_secured(b"!", b"").unwrap();
         assert_eq!(fs::read(&partial).unwrap(), b"one!");

@@ -203,7 +203,11 @@ impl Measured {
         let finest = self.grid.spacing_mm.into_iter().fold(f64::INFINITY, f64::min);
         let found = |stage| {
             let of_stage: Vec<_> = changes.iter().filter(|change| change.stage == stage).collect();
-            if of_stage.is_empty() { "nothing that counts".to_owned() } else { counted(&of_stage, finest) }
+            if of_stage.is_empty() {
+                "nothing that shows at voxel centres".to_owned()
+            } else {
+                counted(&of_stage, finest)
+            }
         };
         for flag in &mut self.flags {
             match flag.code {

@@ -2,7 +2,7 @@
 
 use super::detail::{Detail, Watch};
 use crate::Control;
-use crate::integrals::{Band, Partial, Quadrature};
+use crate::integrals::{Band, Observer, Partial, Quadrature};
 use crate::local_geometry::{BandVoxels, Differentiation, FieldValue, TileField};
 use crate::surface::{SurfaceSums, TileMesh, cell_limits};
 use crate::tiling::{IndexBox, Pool, TILE};
@@ -117,8 +117,14 @@ impl Pass<'_> {
                 watch.in_band(voxels, &mut detail);
             }
         };
-        let integrals =
-            Partial::of_tile(scheme, &field, tile, self.band, self.quadrature, look, &mut summing);
+        let integrals = Partial::of_tile(
+            scheme,
+            &field,
+            tile,
+            self.band,
+            self.quadrature,
+            Observer { look, summing: &mut summing },
+        );
         let integrated = Instant::now();
         let mut surface = SurfaceSums::default();
         if let TileField::Varying(field) = field {

@@ -3,8 +3,10 @@
 use super::{Failure, RunError};
 use crate::inputs::{OpenOptions, Source, distinct_parts, open};
 use crate::{Control, Event};
-use rayon::prelude::*;
+use std::collections::BTreeMap;
 use std::io;
+use std::sync::mpsc;
+use std::time::Duration;
 
 /// Inputs to which the same is done: read once each, small ones side by side, large ones one after the other,
 /// what comes out in the order of the inputs.
@@ -157,19 +159,36 @@ impl Batch<'_> {
             self.inputs.iter().map(String::as_str).zip(parts.iter().map(Option::as_deref)).collect();
         let mut outcome = Outcome::default();
         for window in named.chunks(AHEAD * rayon::current_num_threads()) {
-            let done: Vec<(&str, Done<T::Row>)> =
-                window.par_iter().map(|&named| (named.0, self.done_if_small(task, named))).collect();
-            for (name, done) in done {
-                match done {
-                    Done::All(items) => items.into_iter().try_for_each(|item| outcome.hand(item, sink))?,
-                    Done::Large(input) => self.in_turn(task, &input, &mut outcome, sink)?,
-                    Done::Stopped => outcome.stopped = true,
+            let (sender, receiver) = mpsc::channel();
+            rayon::in_place_scope(|scope| {
+                for (number, &named) in window.iter().enumerate() {
+                    let sender = sender.clone();
+                    scope.spawn(move |_| {
+                        // Who has gone away after an error wants no more.
+                        let _ = sender.send((number, self.done_if_small(task, named)));
+                    });
                 }
-                if outcome.stopped {
-                    return Ok(outcome);
+                // In their order, each as soon as it and those before it are done.
+                let mut early = BTreeMap::new();
+                for (number, (name, _)) in window.iter().enumerate() {
+                    let done = waited_for(number, &receiver, &mut early);
+                    match done {
+                        Done::All(items) => {
+                            items.into_iter().try_for_each(|item| outcome.hand(item, sink))?;
+                        }
+                        Done::Large(input) => self.in_turn(task, &input, &mut outcome, sink)?,
+                        Done::Stopped => outcome.stopped = true,
+                    }
+                    if outcome.stopped {
+                        return Ok(());
+                    }
+                    sink.input_ends()?;
+                    self.control.tell(&Event::Finished { input: name });
                 }
-                sink.input_ends()?;
-                self.control.tell(&Event::Finished { input: name });
+                Ok::<(), io::Error>(())
+            })?;
+            if outcome.stopped {
+                break;
             }
         }
         Ok(outcome)
@@ -244,6 +263,21 @@ impl Batch<'_> {
         };
         self.control.tell(&Event::Failed { input, error: &failure.error });
         failure
+    }
+}
+
+/// What comes of an input by its number; what comes before its turn is kept. On a thread of the pool, the pool's work is done
+/// while it is waited for: there may be no other thread.
+fn waited_for<T>(number: usize, receiver: &mpsc::Receiver<(usize, T)>, early: &mut BTreeMap<usize, T>) -> T {
+    loop {
+        if let Some(done) = early.remove(&number) {
+            return done;
+        }
+        let came = match rayon::yield_now() {
+            Some(rayon::Yield::Executed) => receiver.try_recv().ok(),
+            _ => receiver.recv_timeout(Duration::from_millis(1)).ok(),
+        };
+        early.extend(came);
     }
 }
 

@@ -133,6 +133,7 @@ impl<R: Row> CsvSink<R> {
         columns.push("error".to_owned());
         let mut out = csv::Writer::from_writer(out);
         out.write_record(&columns)?;
+        out.flush()?;
         let columns = columns.into_iter().enumerate().map(|(place, name)| (name, place)).collect();
         Ok(Self { out, columns, of: PhantomData })
     }

@@ -2,7 +2,7 @@
 
 use super::ExplainTopology;
 use super::object::{explain_topology, what_is_explained};
-use super::reading::{Watched, name_of};
+use super::reading::{FileStamps, Watched, name_of};
 use super::{Item, Opened, Plan, Reading, Record, RunError, Task};
 use crate::inputs::open;
 use crate::measurement::{Measured, StageSeconds};
@@ -73,6 +73,7 @@ impl MeasureTask {
     /// Measures while slices go by, in bounded memory.
     fn of_stream(&self, input: &Opened, out: &mut dyn FnMut(Item<Record>)) -> Result<(), RunError> {
         let Opened { name, source, control, .. } = input;
+        let files = FileStamps::of(&**source);
         let mut slabs = Watched { slabs: source.slabs()?, input: name, control };
         let streamed =
             self.plan.measurement.run_slabs_under(control, &mut slabs, &self.plan.labels, |at| {
@@ -88,6 +89,9 @@ impl MeasureTask {
         let read = streamed.source_seconds + streamed.encode_seconds;
         let mut results = streamed.results;
         self.explain(input, &mut results)?;
+        if files != FileStamps::of(&**source) {
+            return Err(RunError::Changed);
+        }
         let stages = results.iter().fold(StageSeconds::default(), |sum, (_, m)| sum.plus(&m.timings));
         self.tell_timings(input, [file, read - file], &stages);
         let (flags, truth, names) = (source.flags(), source.truth(), source.label_names());

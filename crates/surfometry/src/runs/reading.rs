@@ -9,8 +9,9 @@ use crate::topology::{ComponentLabels, Connectivity};
 use crate::volume::{FieldImage, LabelGroup, LabelImage, Mask, ProbabilityImage, Slab, SlabReader};
 use crate::{Control, Event, Stopped};
 use std::collections::BTreeMap;
+use std::path::PathBuf;
 use std::sync::{Arc, OnceLock};
-use std::time::{Duration, Instant};
+use std::time::{Duration, Instant, SystemTime};
 
 /// An input that was read as a whole.
 pub struct Reading<'a> {
@@ -220,6 +221,17 @@ impl<R: SlabReader<Error = InputError>> SlabReader for Watched<'_, R> {
 
     fn file_time(&self) -> Duration {
         self.slabs.file_time()
+    }
+}
+
+/// Sizes and times of an input's files, which tell whether two readings were of the same.
+#[derive(Debug, PartialEq)]
+pub(super) struct FileStamps(Vec<Option<(u64, Option<SystemTime>)>>);
+
+impl FileStamps {
+    pub(super) fn of(source: &dyn Source) -> Self {
+        let stamp = |path: &PathBuf| path.metadata().ok().map(|m| (m.len(), m.modified().ok()));
+        Self(source.files().iter().map(stamp).collect())
     }
 }
 

@@ -24,12 +24,12 @@ pub struct Record {
     /// The results.
     #[serde(flatten)]
     pub measured: Measured,
-    /// Exact integrals, for phantoms.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    /// Exact integrals, for phantoms; `None` of anything else.
+    #[serde(default)]
     pub truth: Option<Truth>,
     /// Blur of the corrected embedding in which the surface is mapped, mm, where it is mapped in one of its
     /// own.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(default)]
     pub curvature_sigma_mm: Option<f64>,
     /// Time to read and decode the input, s.
     pub read_seconds: Option<f64>,
