@@ -2,9 +2,9 @@
 
 use super::pair_kernel::PairKernel;
 use super::voxel_list::VoxelList;
-use crate::embedding::{Embedding, GaussianEmbedding};
+use crate::embedding::{EdgeProfile, Embedding, GaussianEmbedding, Indicator, Row, TRUNCATION_OF_BLUR};
 use crate::tiling::{IndexBox, TILE};
-use crate::volume::{Mask, ones};
+use crate::volume::{Grid, Mask, ones};
 use rayon::prelude::*;
 
 /// Voxels of the image with a neighbour on the other side by faces, and phi at each: 25 bytes a voxel.
@@ -23,31 +23,20 @@ impl Boundary {
         let (places, inside) = beside(mask);
         let bounds = mask.bounds().grown([1; 3]);
         let voxels = VoxelList::new(bounds, places);
-        let mut phi = vec![0.0; voxels.len()];
-        let embedding = GaussianEmbedding::corrected(mask, sigma, truncation);
-        // Tiles that the boundary does not cross are not blurred.
-        let crossed = |tile: &IndexBox| mask.uniform_in(&tile.grown([1; 3])).is_none();
-        let tiles: Vec<IndexBox> = bounds.tiles(TILE).into_iter().filter(crossed).collect();
-        let found: Vec<Vec<(usize, f32)>> = tiles
-            .par_iter()
-            .map(|tile| {
-                let field = embedding.evaluate(tile, 0.5);
-                let mut values = Vec::new();
-                for (y, z) in tile.rows() {
-                    let row = field.row(y, z);
-                    let numbers = voxels.in_row((tile.lower[0], tile.upper[0]), y, z);
-                    let at = |number: usize| {
-                        (number, row[(i64::from(voxels.place(number)[0]) - tile.lower[0]) as usize])
-                    };
-                    values.extend(numbers.map(at));
-                }
-                values
-            })
-            .collect();
-        for (number, value) in found.into_iter().flatten() {
-            phi[number] = f64::from(value);
-        }
+        let phi = values(mask, &voxels, &GaussianEmbedding::corrected(mask, sigma, truncation));
         Self { voxels, inside, phi }
+    }
+
+    /// How far each voxel is on the wrong side of a corrected blur of one voxel along every axis, in voxels.
+    pub(super) fn fine_depths(&self, mask: &Mask) -> Vec<f64> {
+        let by_voxels = ByVoxels::new(mask);
+        let embedding = GaussianEmbedding::corrected(&by_voxels, 1.0, TRUNCATION_OF_BLUR);
+        let mut depths = values(mask, &self.voxels, &embedding);
+        let slope = EdgeProfile::corrected(1.0).slope(0.0);
+        for (number, depth) in depths.iter_mut().enumerate() {
+            *depth = (self.direction(number) * *depth).max(0.0) / slope;
+        }
+        depths
     }
 
     pub(super) fn len(&self) -> usize {
@@ -96,6 +85,62 @@ impl Boundary {
         self.voxels.for_each_within(self.voxels.place(number), kernel.reach(), |other, distance| {
             phi[other] -= amount * kernel.at(distance);
         });
+    }
+}
+
+/// A field at voxels beside the boundary, tile by tile.
+fn values(mask: &Mask, voxels: &VoxelList, embedding: &GaussianEmbedding<'_>) -> Vec<f64> {
+    // Tiles that the boundary does not cross are not blurred.
+    let crossed = |tile: &IndexBox| mask.uniform_in(&tile.grown([1; 3])).is_none();
+    let tiles: Vec<IndexBox> = voxels.bounds().tiles(TILE).into_iter().filter(crossed).collect();
+    let of_tile = |tile: &IndexBox| {
+        let field = embedding.evaluate(tile, 0.5);
+        let mut found = Vec::new();
+        for (y, z) in tile.rows() {
+            let row = field.row(y, z);
+            let numbers = voxels.in_row((tile.lower[0], tile.upper[0]), y, z);
+            let x = |number: usize| (i64::from(voxels.place(number)[0]) - tile.lower[0]) as usize;
+            found.extend(numbers.map(|number| (number, row[x(number)])));
+        }
+        found
+    };
+    let found: Vec<Vec<(usize, f32)>> = tiles.par_iter().map(of_tile).collect();
+    let mut values = vec![0.0; voxels.len()];
+    for (number, value) in found.into_iter().flatten() {
+        values[number] = f64::from(value);
+    }
+    values
+}
+
+/// A mask whose voxels are cubes of one: blurred by numbers of voxels, whatever its spacing.
+#[derive(Debug)]
+struct ByVoxels<'a> {
+    mask: &'a Mask,
+    grid: Grid,
+}
+
+impl<'a> ByVoxels<'a> {
+    fn new(mask: &'a Mask) -> Self {
+        let grid = *mask.grid();
+        Self { mask, grid: Grid::axis_aligned(grid.dimensions(), [1.0; 3]).unwrap_or(grid) }
+    }
+}
+
+impl Indicator for ByVoxels<'_> {
+    fn grid(&self) -> &Grid {
+        &self.grid
+    }
+
+    fn bounds(&self) -> IndexBox {
+        self.mask.bounds()
+    }
+
+    fn uniform_in(&self, region: &IndexBox) -> Option<bool> {
+        self.mask.uniform_in(region)
+    }
+
+    fn read_row(&self, y: i64, z: i64, row: &mut Row) {
+        self.mask.read_row(y, z, row);
     }
 }
 

@@ -13,17 +13,20 @@ const DOUBTED: f64 = 0.4;
 const AGREEMENT: [f64; 2] = [0.6, 0.8];
 const COMPANY: f64 = 3.0;
 
-/// It is alone where it is deeper than a terrace's edge on a clean mask, has no company, and S is below this share of T or this many times its depth.
+/// It is alone where it is deeper than a terrace's edge on a clean mask, has no company, S is below this share of T or this many times its depth, and a blur of one voxel
+/// along each axis violates it too (by this much, in voxels), as it does single voxels that stick out, and neither struts and sheets nor most edges.
 const SHALLOW: f64 = 0.15;
 const AGAINST: f64 = 0.2;
 const LITTLE: f64 = 1.5;
+const SEEN: f64 = 0.05;
 
-/// An object is noisy where the rms depth of those alone, over all voxels beside its boundary, is above this. Clean shapes stay below 0.024, 1 % of flipped voxels give 0.022
-/// to 0.08, 5 % 0.05 to 0.17, slices shifted by a voxel 0.02 to 0.17 (tubes of 2 to 3 voxels least).
-const NOISY: f64 = 0.025;
+/// An object is noisy where two rms depths over all voxels beside its boundary are above these: of those alone, and, in voxels, of all violations of the fine blur. Noise
+/// is on both sides of a boundary, a sharp edge on one: both are of the side that has less, as if the other were like it.
+const NOISY: f64 = 0.02;
+const FINELY_NOISY: f64 = 0.01;
 
 /// In a noisy object company must stand this many times above the noise, as its mean depth over the voxels beside the boundary.
-const ABOVE: f64 = 1.5;
+const ABOVE: f64 = 2.0;
 
 /// Windows, in sigma, and the least that they are along any axis, in voxels; they end at three widths.
 const WINDOWS: [f64; 2] = [0.5, 1.0];
@@ -34,8 +37,9 @@ const LEAST: f64 = 1.5;
 pub(super) struct Evidence {
     /// By violation, in geometric mean spacings; 0 where it is taken for noise.
     pub(super) prices: Vec<f64>,
-    /// Rms depth of those alone, over all voxels beside the boundary.
+    /// Both depths.
     pub(super) noise: f64,
+    pub(super) fine_noise: f64,
     pub(super) noisy: bool,
 }
 
@@ -50,11 +54,16 @@ struct Around {
 impl Evidence {
     /// The same price for all.
     pub(super) fn given(price: f64, count: usize) -> Self {
-        Self { prices: vec![price; count], noise: 0.0, noisy: false }
+        Self { prices: vec![price; count], noise: 0.0, fine_noise: 0.0, noisy: false }
     }
 
-    /// From the violated voxels' numbers and depths, in geometric mean spacings; `sigma` is in voxels, by axis.
-    pub(super) fn weigh(boundary: &Boundary, wrong: &[u32], depths: &[f64], sigma: [f64; 3]) -> Self {
+    /// From the violated voxels' numbers and depths, in geometric mean spacings; `sigma` is in voxels, by axis, and `fine` the fine depths of all voxels beside the boundary.
+    pub(super) fn weigh(
+        boundary: &Boundary,
+        (wrong, depths): (&[u32], &[f64]),
+        fine: &[f64],
+        sigma: [f64; 3],
+    ) -> Self {
         let places = wrong.iter().map(|&n| boundary.voxels().place(n as usize)).collect();
         let list = VoxelList::new(boundary.voxels().bounds(), places);
         let windows = WINDOWS.map(|size| Window::new(sigma.map(|s| (size * s).max(LEAST))));
@@ -69,12 +78,15 @@ impl Evidence {
         let is_alone = |number: usize| {
             let Around { agreeing, all } = around[number][0];
             let little = agreeing < AGAINST * all || agreeing < LITTLE * depths[number];
-            little && depths[number] > SHALLOW && !(0..2).any(|window| has_company(number, window))
+            let seen = fine[wrong[number] as usize] > SEEN;
+            seen && little && depths[number] > SHALLOW && !(0..2).any(|window| has_company(number, window))
         };
-        let square = |number: usize| if is_alone(number) { depths[number].powi(2) } else { 0.0 };
-        // In order of the list: the same bits always.
-        let noise = ((0..wrong.len()).map(square).sum::<f64>() / boundary.len().max(1) as f64).sqrt();
-        let noisy = noise >= NOISY;
+        let beside = boundary.len();
+        let alone = (0..wrong.len()).filter(|&number| is_alone(number));
+        let noise = lesser_side(beside, alone.map(|number| (inside[number], depths[number])));
+        let fine_noise =
+            lesser_side(beside, (0..).zip(fine).map(|(number, &depth)| (boundary.inside(number), depth)));
+        let noisy = noise >= NOISY && fine_noise >= FINELY_NOISY;
         let stands_out = |number: usize| {
             (0..2).any(|window| {
                 has_company(number, window) && {
@@ -83,20 +95,27 @@ impl Evidence {
                 }
             })
         };
-        let price = |number: usize| match (noisy, noisy && stands_out(number)) {
-            (true, true) => BELIEVED,
-            (true, false) => 0.0,
-            (false, _) => {
-                if is_alone(number) {
-                    DOUBTED
-                } else {
-                    BELIEVED
-                }
+        let price = |number: usize| {
+            if noisy {
+                if stands_out(number) { BELIEVED } else { 0.0 }
+            } else if is_alone(number) {
+                DOUBTED
+            } else {
+                BELIEVED
             }
         };
         let prices = (0..wrong.len()).into_par_iter().map(price).collect();
-        Self { prices, noise, noisy }
+        Self { prices, noise, fine_noise, noisy }
     }
+}
+
+/// Rms over a number of voxels of depths on the side of the boundary that has less, taken twice. Added up in their order: the same bits always.
+fn lesser_side(voxels: usize, depths: impl Iterator<Item = (bool, f64)>) -> f64 {
+    let mut squares = [0.0; 2];
+    for (inside, depth) in depths {
+        squares[usize::from(inside)] += depth * depth;
+    }
+    (2.0 * squares[0].min(squares[1]) / voxels.max(1) as f64).sqrt()
 }
 
 /// A Gaussian window, 1 at no distance.

@@ -86,8 +86,11 @@ pub struct Corrections {
     pub clusters: u64,
     /// Rounds of solving.
     pub rounds: usize,
-    /// Rms depth, over all voxels beside the boundary, of the violations that nothing around them speaks for, in geometric mean spacings; 0 where the price was given.
-    pub noise: f64,
+    /// Rms depth, over all voxels beside the boundary, of the violations that nothing around them speaks for, in geometric mean spacings; and of the violations of a
+    /// blur of one voxel, in voxels: both of the side of the boundary that has less, both sides taken to be like it. 0 where the price was given.
+    pub noise: [f64; 2],
+    /// Whether both are so high that what does not stand out from them was refused.
+    pub noisy: bool,
 }
 
 /// A voxel that may be corrected.
@@ -111,7 +114,8 @@ impl Recovery {
         let mut found = Corrections {
             beside: boundary.len() as u64,
             violated: boundary.wrong().count() as u64,
-            noise: evidence.noise,
+            noise: [evidence.noise, evidence.fine_noise],
+            noisy: evidence.noisy,
             ..Corrections::default()
         };
         found.refused = found.violated - listed.len() as u64;
@@ -148,7 +152,7 @@ impl Recovery {
             Price::Capped(price) => Evidence::given(price.max(0.0), wrong.len()),
             Price::FromEvidence => {
                 let widths = mask.grid().spacing().mm().map(|h| self.sigma / h);
-                Evidence::weigh(boundary, &wrong, &depths, widths)
+                Evidence::weigh(boundary, (&wrong, &depths), &boundary.fine_depths(mask), widths)
             }
         };
         let to_lambda = unit / kernel.peak();
