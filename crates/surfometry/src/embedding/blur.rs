@@ -172,7 +172,7 @@ impl Rows {
 
 /// Taps from the centre outward, in f32, that add up to exactly 1 as [`convolve`] adds them, the centre's
 /// last: it is what the others leave of 1, which the last sum rounds to 1 whatever was rounded before.
-fn half_taps(kernel: &GaussianKernel) -> Vec<f32> {
+pub(super) fn half_taps(kernel: &GaussianKernel) -> Vec<f32> {
     let mut taps: Vec<f32> = kernel.taps()[kernel.radius()..].iter().map(|&tap| tap as f32).collect();
     taps[0] = 1.0 - taps[1..].iter().rev().fold(0.0, |sum, tap| sum + tap * 2.0);
     taps

@@ -11,6 +11,7 @@ mod kernel;
 mod point_kernel;
 mod precision;
 mod probability;
+mod recovering;
 mod separable;
 
 pub use corrected_mask::CorrectedMask;
@@ -21,6 +22,7 @@ pub use indicator::{Indicator, Row};
 pub use kernel::{GaussianKernel, TRUNCATION, TRUNCATION_OF_BLUR};
 pub(crate) use point_kernel::PointMemory;
 pub use precision::Precision;
+pub use recovering::{Corrections, Price, Recovery};
 
 use crate::tiling::{Block, IndexBox};
 

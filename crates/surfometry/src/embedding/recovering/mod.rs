@@ -1,0 +1,219 @@
+//! Corrections of a mask after which its blur gives the object back.
+
+mod boundary;
+mod clusters;
+mod evidence;
+mod pair_kernel;
+mod price;
+mod solver;
+mod voxel_list;
+
+#[cfg(test)]
+mod tests;
+
+pub use price::Price;
+
+use super::EdgeProfile;
+use crate::volume::Mask;
+use boundary::Boundary;
+use clusters::Clusters;
+use evidence::Evidence;
+use pair_kernel::PairKernel;
+use voxel_list::VoxelList;
+
+/// Rounds of solving on the list and looking what is wrong now. Most objects take two or three; what is left
+/// after these is counted.
+const ROUNDS: usize = 12;
+
+/// What every listed voxel's |phi| should have at least, so that its sign does not hang on rounding: less
+/// than a thousandth of a voxel.
+const CLEARANCE: f64 = 2e-4;
+
+/// How a blurred mask is made to give the object back.
+///
+/// The corrected embedding phi = 1/2 - K * I of a mask I
+/// ([`GaussianEmbedding::corrected`](super::GaussianEmbedding::corrected)) has the wrong sign at centres of
+/// voxels where it loses detail: thin parts, terraces, noise. With corrections c at few of them, all beside
+/// the boundary, phi = 1/2 - K * (I + c) has the right ones, and is as smooth as before. The corrections are
+/// the least ones, in the norm whose kernel is K: c = lambda >= 0 inside and -lambda outside, and 0 wherever
+/// the sign is right anyhow. They are made for the taps that the embedding has, so that signs hold in the
+/// field that is computed. `experiments/recovering_embedding` has what was tried.
+///
+/// ```
+/// use surfometry::embedding::{CorrectedMask, Embedding, GaussianEmbedding, Price, Recovery, TRUNCATION};
+/// use surfometry::tiling::IndexBox;
+/// use surfometry::volume::{Grid, Mask};
+///
+/// // A rod of 3 x 3 voxels: a blur of 2 voxels leaves nothing of it.
+/// let mask = Mask::from_predicate(Grid::axis_aligned([40, 21, 21], [1.0; 3])?, |[x, y, z]| {
+///     (5..35).contains(&x) && (9..12).contains(&y) && (9..12).contains(&z)
+/// });
+/// let recovery = Recovery { sigma: 2.0, truncation: TRUNCATION, price: Price::Strict, margin: 0.0 };
+/// let found = recovery.corrections(&mask);
+/// assert_eq!(found.left, 0);
+/// let recovered = CorrectedMask::new(mask.clone(), found.amounts);
+/// let phi_at = |indicator| {
+///     GaussianEmbedding::corrected(indicator, 2.0, TRUNCATION).evaluate(&IndexBox::voxel([20, 11, 11]), 0.5).get([20, 11, 11])
+/// };
+/// assert!(phi_at(&mask) > 0.0 && phi_at(&recovered) < 0.0);
+/// # Ok::<(), surfometry::volume::VolumeError>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Recovery {
+    /// Of the corrected embedding, mm.
+    pub sigma: f64,
+    /// Where that cuts its kernels, in sigma.
+    pub truncation: f64,
+    /// What a correction may cost.
+    pub price: Price,
+    /// How far beyond the centre of a voxel that was on the wrong side the surface is asked to lie: half of
+    /// the depth at which it was, at most this many geometric mean spacings. 0 is best for curvature; 0.1 at
+    /// a sigma of two spacings takes most of the shrinkage off thin parts' areas.
+    pub margin: f64,
+}
+
+/// What was found.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Corrections {
+    /// Voxels, in memory order, and what is added to their bits, as [`CorrectedMask`](super::CorrectedMask)
+    /// takes them.
+    pub amounts: Vec<([usize; 3], f32)>,
+    /// Voxels with a neighbour on the other side, by faces, within the image.
+    pub beside: u64,
+    /// Those of them that were on the wrong side of phi = 0.
+    pub violated: u64,
+    /// Those that still are.
+    pub left: u64,
+    /// Those that are not corrected at all, because they look like noise.
+    pub refused: u64,
+    /// Those whose price was reached.
+    pub capped: u64,
+    /// Groups of corrections that depend on each other.
+    pub clusters: u64,
+    /// Rounds of solving.
+    pub rounds: usize,
+    /// Rms depth, over all voxels beside the boundary, of the violations that nothing around them speaks for,
+    /// in geometric mean spacings; and of the violations of a blur of one voxel, in voxels: both of the side
+    /// of the boundary that has less, both sides taken to be like it. 0 where the price was given.
+    pub noise: [f64; 2],
+    /// Whether both are so high that what does not stand out from them was refused.
+    pub noisy: bool,
+}
+
+/// A voxel that may be corrected.
+#[derive(Debug, Clone, Copy)]
+struct Listed {
+    /// Among the voxels beside the boundary.
+    number: u32,
+    lambda: f64,
+    /// The largest lambda.
+    cap: f64,
+    /// The least -s phi that is asked for, with s = -1 inside.
+    margin: f64,
+}
+
+impl Recovery {
+    /// The corrections of a mask. The same bits whatever the number of threads.
+    pub fn corrections(&self, mask: &Mask) -> Corrections {
+        let mut boundary = Boundary::new(mask, self.sigma, self.truncation);
+        let kernel = PairKernel::corrected(self.sigma, mask.grid().spacing().mm(), self.truncation);
+        let (mut listed, evidence) = self.first_list(mask, &boundary, &kernel);
+        let mut found = Corrections {
+            beside: boundary.len() as u64,
+            violated: boundary.wrong().count() as u64,
+            noise: [evidence.noise, evidence.fine_noise],
+            noisy: evidence.noisy,
+            ..Corrections::default()
+        };
+        found.refused = found.violated - listed.len() as u64;
+        while found.rounds < ROUNDS && !listed.is_empty() {
+            found.rounds += 1;
+            found.clusters = solve(&mut boundary, &kernel, &mut listed);
+            let settled = listed.iter().all(|l| l.lambda >= l.cap || !boundary.is_wrong(l.number as usize));
+            // In a noisy object what comes up later is not believed either.
+            let more =
+                if evidence.noisy { 0 } else { self.extend_list(mask, &boundary, &kernel, &mut listed) };
+            if settled && more == 0 {
+                break;
+            }
+        }
+        found.left = boundary.wrong().count() as u64;
+        found.capped = listed.iter().filter(|l| l.lambda >= l.cap).count() as u64;
+        let corrected = listed.iter().filter(|l| l.lambda > 0.0);
+        found.amounts = corrected
+            .map(|l| {
+                let number = l.number as usize;
+                (boundary.voxels().index(number), (boundary.direction(number) * l.lambda) as f32)
+            })
+            .collect();
+        found
+    }
+
+    /// What is wrong at first, without what looks like noise.
+    fn first_list(&self, mask: &Mask, boundary: &Boundary, kernel: &PairKernel) -> (Vec<Listed>, Evidence) {
+        let unit = self.unit(mask);
+        let wrong: Vec<u32> = boundary.wrong().map(|number| number as u32).collect();
+        let depths: Vec<f64> = wrong.iter().map(|&n| boundary.depth(n as usize) / unit).collect();
+        let evidence = match self.price {
+            Price::Strict => Evidence::given(f64::INFINITY, wrong.len()),
+            Price::Capped(price) => Evidence::given(price.max(0.0), wrong.len()),
+            Price::FromEvidence => {
+                let widths = mask.grid().spacing().mm().map(|h| self.sigma / h);
+                Evidence::weigh(boundary, (&wrong, &depths), &boundary.fine_depths(mask), widths)
+            }
+        };
+        let to_lambda = unit / kernel.peak();
+        let listed = wrong.iter().zip(&depths).zip(&evidence.prices).filter(|(_, price)| **price > 0.0);
+        let listed = listed.map(|((&number, &depth), &price)| Listed {
+            number,
+            lambda: 0.0,
+            cap: price * to_lambda,
+            margin: CLEARANCE + unit * self.margin.max(0.0).min(depth / 2.0),
+        });
+        (listed.collect(), evidence)
+    }
+
+    /// Adds what is wrong now; how many those are.
+    fn extend_list(
+        &self,
+        mask: &Mask,
+        boundary: &Boundary,
+        kernel: &PairKernel,
+        listed: &mut Vec<Listed>,
+    ) -> usize {
+        let cap = self.price.highest() * self.unit(mask) / kernel.peak();
+        if cap <= 0.0 {
+            return 0;
+        }
+        let known = |number: usize| listed.binary_search_by_key(&(number as u32), |l| l.number).is_ok();
+        let new: Vec<usize> = boundary.wrong().filter(|&number| !known(number)).collect();
+        let entry = |&number: &usize| Listed { number: number as u32, lambda: 0.0, cap, margin: CLEARANCE };
+        listed.extend(new.iter().map(entry));
+        listed.sort_by_key(|l| l.number);
+        new.len()
+    }
+
+    /// What phi changes by across one geometric mean spacing at a flat face: the unit of depths and prices.
+    fn unit(&self, mask: &Mask) -> f64 {
+        EdgeProfile::corrected(self.sigma).slope(0.0) * mask.grid().spacing().geometric_mean()
+    }
+}
+
+/// Solves on the list and brings the boundary's phi up to date; the number of clusters.
+fn solve(boundary: &mut Boundary, kernel: &PairKernel, listed: &mut [Listed]) -> u64 {
+    let places = listed.iter().map(|l| boundary.voxels().place(l.number as usize)).collect();
+    let list = VoxelList::new(boundary.voxels().bounds(), places);
+    let directions: Vec<f64> = listed.iter().map(|l| boundary.direction(l.number as usize)).collect();
+    let clusters = Clusters::new(&list, &directions, kernel);
+    let given: Vec<f64> = listed
+        .iter()
+        .zip(&directions)
+        .map(|(l, direction)| -direction * boundary.phi(l.number as usize) - l.margin)
+        .collect();
+    let lambdas = clusters.solve(listed, &given, kernel.peak());
+    for (l, lambda) in listed.iter_mut().zip(lambdas) {
+        boundary.add(l.number as usize, lambda - l.lambda, kernel);
+        l.lambda = lambda;
+    }
+    clusters.count()
+}

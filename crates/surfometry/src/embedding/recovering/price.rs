@@ -1,0 +1,31 @@
+//! What a correction may cost.
+
+/// The most that one correction may do, as the distance in geometric mean spacings by which it alone would
+/// move a flat face at its own voxel.
+///
+/// A mask is not always right. Noise that is recovered makes curvature useless; as multipliers in a
+/// classifier with a soft margin are, corrections are capped.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Price {
+    /// Any price: the mask is right.
+    Strict,
+    /// At most this.
+    Capped(f64),
+    /// As the violations look, by a rule that was found on clean and noisy shapes and held on others
+    /// (`experiments/recovering_embedding`): those with company that wants the surface moved the same way are
+    /// detail or thin parts and corrected at up to 1; deep ones without are noise. Where noise is little all
+    /// else is corrected too, those in doubt at up to 0.4; where it is much nothing is that does not stand
+    /// out from it.
+    FromEvidence,
+}
+
+impl Price {
+    /// The most of any voxel.
+    pub(super) fn highest(self) -> f64 {
+        match self {
+            Self::Strict => f64::INFINITY,
+            Self::Capped(price) => price.max(0.0),
+            Self::FromEvidence => super::evidence::BELIEVED,
+        }
+    }
+}
