@@ -121,9 +121,10 @@ pub(crate) struct MeasureOptions {
     /// Level of the blurred mask that is the surface [default: 0.5]
     #[arg(long, value_parser = fraction, allow_hyphen_values = true)]
     level: Option<f64>,
-    /// How an object becomes a field
-    #[arg(long, default_value = "gaussian", value_parser = one_of::<EmbeddingKind>())]
-    embedding: EmbeddingKind,
+    /// How an object becomes a field [default: gaussian; of an object of which that loses detail, in `measure`
+    /// and `report`, recovering where its errors are smaller, unless other choices are made]
+    #[arg(long, value_parser = one_of::<EmbeddingKind>())]
+    embedding: Option<EmbeddingKind>,
     /// How the field is differentiated [default: matched where sigma is 1.75 to 8 voxels, else gaussian;
     /// finite-difference without a blur]
     #[arg(long, value_parser = one_of::<Derivatives>())]
@@ -146,14 +147,15 @@ pub(crate) struct MeasureOptions {
 impl MeasureOptions {
     /// The plan that the options describe, checked.
     pub(crate) fn plan(&self, curvature: CurvatureScale) -> Result<Plan> {
-        let plan = Plan { measurement: self.measurement(), curvature, ..self.selection.plan() };
+        let recover = self.embedding.is_none();
+        let plan = Plan { measurement: self.measurement(), curvature, recover, ..self.selection.plan() };
         plan.check()?;
         Ok(plan)
     }
 
     fn measurement(&self) -> Measurement {
         let mut m = if self.paper { Measurement::paper() } else { Measurement::default() };
-        m = m.embedding(self.embedding).clip(self.clip);
+        m = m.embedding(self.embedding.unwrap_or_default()).clip(self.clip);
         if let Some(sigma) = self.sigma {
             m = m.sigma_mm(sigma.mm());
         }
@@ -190,7 +192,7 @@ impl MeasureOptions {
     /// Whether sigma follows each image's spacing.
     pub(crate) fn sigma_is_automatic(&self) -> bool {
         let explicit = matches!(self.sigma, Some(Length::Mm(_)));
-        self.embedding.is_blur() && !explicit && !(self.paper && self.sigma.is_none())
+        self.embedding.unwrap_or_default().is_blur() && !explicit && !(self.paper && self.sigma.is_none())
     }
 }
 

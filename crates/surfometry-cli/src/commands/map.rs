@@ -10,7 +10,7 @@ use crate::values::one_of;
 use anyhow::{Result, bail};
 use std::path::{Path, PathBuf};
 use surfometry::measurement::VoxelQuantity;
-use surfometry::runs::{Batch, Collected, FileLedger, MapFile, MapStyle, MapTask, SurfaceRecord};
+use surfometry::runs::{Batch, Collected, FileLedger, MapFile, MapStyle, MapTask, Plan, SurfaceRecord};
 
 /// Map curvature on the surface: meshes, voxel maps, pictures, distributions
 ///
@@ -44,7 +44,8 @@ pub(crate) struct Args {
 }
 
 pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
-    let plan = args.options.plan(args.curvature.scale())?;
+    // What is mapped is the surface of the one embedding that was chosen.
+    let plan = Plan { recover: false, ..args.options.plan(args.curvature.scale())? };
     let inputs = expand(&args.inputs);
     let [documents, files] = targets(args.output.iter().chain(&args.png), &inputs)?;
     let style = MapStyle { voxels: distinct(&args.voxels), ..args.pictures.map_style() };

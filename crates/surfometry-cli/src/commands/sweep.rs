@@ -61,7 +61,7 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
         bail!("the same length is swept and given: leave the option out");
     }
     let plan = args.options.plan(CurvatureScale::AsMeasured)?;
-    let plan = Plan { explain_topology: ExplainTopology::Never, ..plan };
+    let plan = Plan { explain_topology: ExplainTopology::Never, recover: false, ..plan };
     let inputs = expand(&args.inputs);
     check_output(args.results.path(), &inputs)?;
     for (path, what) in [(&args.chart, "chart"), (&args.surfaces, "pictures")] {

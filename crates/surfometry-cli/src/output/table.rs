@@ -216,6 +216,7 @@ fn embedding_name(embedding: EmbeddingKind) -> &'static str {
     match embedding {
         EmbeddingKind::Gaussian => "blurred",
         EmbeddingKind::Corrected => "corrected",
+        EmbeddingKind::Recovering => "recovering",
         EmbeddingKind::Distance | EmbeddingKind::DistanceToVoxels => "distance",
         EmbeddingKind::Probability => "soft, blurred",
         EmbeddingKind::Given => "given",

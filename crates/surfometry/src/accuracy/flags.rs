@@ -42,6 +42,8 @@ pub enum FlagCode {
     NarrowGap,
     /// The blur took detail away, or filled gaps, for good.
     DetailLost,
+    /// The mask has voxels that look like noise.
+    NoisyMask,
     /// The standard error of the area is more than 2 % of it.
     LargeError,
     /// Compensation is not defined for these parameters.

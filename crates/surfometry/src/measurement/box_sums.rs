@@ -55,6 +55,7 @@ impl ObjectPart {
             topology: self.topology.topology(cover),
             voxels: self.voxels,
             open: None,
+            recovered: None,
             integrated: self.integrated,
             topology_time: self.topology_time,
         }

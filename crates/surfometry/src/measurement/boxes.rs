@@ -3,7 +3,7 @@
 use super::box_sums::{Labels, ObjectPart};
 use super::scheme::Scheme;
 use super::setup::Setup;
-use super::{Clip, MeasureError, Measured, Measurement};
+use super::{MeasureError, Measured, Measurement};
 use crate::tiling::{Cover, IndexBox, TILE};
 use crate::volume::{Grid, LabelBlock, LabelGroup, LabelSelection, Mask};
 use rayon::prelude::*;
@@ -156,9 +156,10 @@ impl Measurement {
     }
 
     fn setup_of_boxes(&self, grid: Grid) -> Result<Setup, MeasureError> {
-        if self.clip == Clip::Exclude {
+        if self.needs_whole_objects() {
             return Err(MeasureError::Conflict(
-                "objects that the image cuts are continued beyond it as wholes: measure boxes with such objects closed",
+                "objects that the image cuts are continued beyond it, and corrections found, as wholes: measure boxes with such objects closed, \
+                 by another embedding than the recovering one",
             ));
         }
         let setup = Setup::of_masks(self, grid)?;

@@ -3,6 +3,7 @@
 use super::EmbeddingKind;
 use super::clip::{BoundaryTerms, ClipSummary, MeasuredPart};
 use super::pass::ObjectSums;
+use super::recovery::Recovered;
 use super::result::{
     BlurredValues, DescribedSurface, GridSummary, Measured, MeshSummary, NO_ERRORS, StageSeconds,
     SurfaceValues, TopologySummary,
@@ -25,6 +26,8 @@ pub(super) struct Totals {
     pub(super) voxels: VoxelCounts,
     /// Where the object is measured, where the image cuts it and that is left out.
     pub(super) open: Option<OpenPart>,
+    /// What corrections did, and the surface that came of it.
+    pub(super) recovered: Option<Recovered>,
     /// Time until the integrals were known.
     pub(super) integrated: Duration,
     pub(super) topology_time: Duration,
@@ -60,7 +63,8 @@ impl Setup {
         let evidence = Evidence {
             spacing: self.grid.spacing(),
             distance: self.parameters.embedding.is_distance(),
-            corrected: self.parameters.embedding == EmbeddingKind::Corrected,
+            corrected: self.parameters.embedding.is_corrected(),
+            recovering: totals.recovered.is_some(),
             sigma: self.parameters.sigma_mm,
             thickness: self.parameters.thickness_mm,
             epsilon: self.parameters.epsilon,
@@ -80,6 +84,7 @@ impl Setup {
         flags.extend(surface.and_then(|integrals| self.soft?.flag(self.original_area(&integrals))));
         let detail = &totals.sums.detail;
         let original = self.described() == DescribedSurface::Original;
+        flags.extend(totals.recovered.and_then(|recovered| recovered.summary.flag()));
         let taken = area.filter(|_| original).and_then(|area| detail.flag(area, &self.grid));
         flags.extend(taken);
         let errors = surface.and_then(|integrals| self.error_model(&integrals));
@@ -116,6 +121,7 @@ impl Setup {
             parameters: self.parameters,
             grid: GridSummary::of(&self.grid),
             flags,
+            recovery: totals.recovered.map(|recovered| recovered.summary),
             compensation: terms,
             timings: totals.timings(),
         }
@@ -150,13 +156,18 @@ impl Setup {
             let lost = [detail.area(spacing), detail.total_mean_curvature(spacing)];
             model.compensated(&blurred).with(lost[0], lost[1], &blurred.surface)
         });
-        let errors = compensated_errors.as_ref().map(SurfaceValues::of_errors).unwrap_or_default();
+        let mut errors = compensated_errors.as_ref().map(SurfaceValues::of_errors).unwrap_or_default();
+        let mut values = compensated(blurred, terms);
+        if let Some([recovered, recovered_errors]) =
+            totals.recovered.and_then(|recovered| recovered.results())
+        {
+            (values, errors) = (recovered, recovered_errors);
+        }
         // Copies of one part are all off in the same direction.
         let copies = f64::from(totals.voxels.symmetry(self.grid.spacing()));
         let counted_error =
             modelled.map(|(model, blurred)| model.grid_noise(&blurred).volume * copies.sqrt());
         let exact = euler.map(|_| 0.0);
-        let values = compensated(blurred, terms);
         [
             SurfaceValues {
                 volume_mm3: counted.or(values.volume_mm3),

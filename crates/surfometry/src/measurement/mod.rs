@@ -13,6 +13,7 @@ mod object;
 mod parameters;
 mod pass;
 mod probability;
+mod recovery;
 mod result;
 mod scheme;
 mod setup;
@@ -28,6 +29,7 @@ pub use explanation::{ChangeStage, LocatedChange, TopologyExplanation, UNEXPLAIN
 pub use local_curvature::CurvatureScale;
 pub use object::Object;
 pub use parameters::{Derivatives, EmbeddingKind, MeasureError, Parameters};
+pub use recovery::RecoverySummary;
 pub use result::{
     BlurredValues, DescribedSurface, GridSummary, Measured, MeshSummary, StageSeconds, SurfaceValues,
     TopologySummary, VoxelSummary,

@@ -3,12 +3,13 @@
 use super::clip::MeasuredPart;
 use super::evaluation::{OpenPart, Totals};
 use super::pass::{ObjectSums, Pass};
+use super::recovery::{Recovered, recovered};
 use super::scheme::Scheme;
 use super::setup::Setup;
 use super::voxels::VoxelCounts;
 use super::{EmbeddingKind, MeasureError, Measured, Measurement, Parameters, SurfaceValues};
 use crate::Control;
-use crate::embedding::Indicator;
+use crate::embedding::{CorrectedMask, Indicator};
 use crate::integrals::{Band, Integrals, Quadrature, SmearedDelta};
 use crate::local_geometry::{FiniteDifferences, MINIMUM_POINTS};
 use crate::surface::{Surface, VertexExtras};
@@ -46,6 +47,8 @@ pub(super) enum Content {
     Nothing,
     /// Voxels: the object's, or those of the object continued beyond the edge of its image.
     Mask(Arc<Mask>),
+    /// Voxels with corrections.
+    Corrected(Arc<CorrectedMask>, Recovered),
     /// A soft segmentation.
     Probability(Arc<ProbabilityImage>),
     /// The field itself.
@@ -67,6 +70,12 @@ impl Measurement {
         let cut = self.cut(&mask)?;
         let part = cut.as_ref().map(|cut| cut.part);
         let voxels = cut.map_or_else(|| Arc::clone(&mask), |cut| Arc::new(cut.continued));
+        if self.embedding == EmbeddingKind::Recovering {
+            Scheme::check_reach(&setup)?;
+            let (corrected, recovered) = recovered(&setup, &mask);
+            let content = Content::Corrected(Arc::new(corrected), recovered);
+            return Ok(Object { mask, setup, content, part: None, preparation: start.elapsed() });
+        }
         let leaves_something = Scheme::of_mask(&setup, &voxels)?.is_some();
         let content = match part {
             Some(part) if part.region.is_empty() => Content::Nothing,
@@ -153,6 +162,7 @@ impl Object {
         match &self.content {
             Content::Nothing => None,
             Content::Mask(mask) => Some(Scheme::of_part(&self.setup, mask)),
+            Content::Corrected(mask, _) => Scheme::of_blur(&self.setup, &**mask),
             Content::Probability(image) => Scheme::of_blur(&self.setup, &**image),
             Content::Field(field) => {
                 Some(Scheme::Given(FiniteDifferences::new(field, self.grid().spacing().mm())))
@@ -182,8 +192,8 @@ impl Object {
             Content::Probability(image) => &**image,
             _ => &*self.mask,
         };
-        let is_corrected = parameters.embedding == EmbeddingKind::Corrected;
-        let plain = is_corrected.then(|| Scheme::of_blur(&uncorrected, indicator)).flatten();
+        let plain =
+            parameters.embedding.is_corrected().then(|| Scheme::of_blur(&uncorrected, indicator)).flatten();
         let plain_jets =
             |points: &[[f64; 3]]| plain.as_ref().map(|plain| plain.jets(points)).unwrap_or_default();
         let kind = match parameters.sigma_mm {
@@ -206,6 +216,7 @@ impl Object {
         let region = self.region();
         let watch = match &self.content {
             Content::Mask(mask) => self.setup.watch(mask, region.unwrap_or(IndexBox::EVERYTHING)),
+            Content::Corrected(mask, _) => self.setup.watch(mask.mask(), IndexBox::EVERYTHING),
             _ => None,
         };
         let pass = Pass { region, watch, ..self.setup.pass(with_surface) };
@@ -267,6 +278,11 @@ impl Object {
         let start = Instant::now();
         let sums = self.sums(true);
         let integrated = self.preparation + sums.times.share_of_integrals(start.elapsed());
-        self.setup.measured(&Totals { sums, open: self.open(), integrated, ..*counted })
+        let recovered = match &self.content {
+            Content::Corrected(_, recovered) => Some(recovered.with_surface(&self.surface())),
+            _ => None,
+        };
+        let totals = Totals { sums, open: self.open(), integrated, recovered, ..*counted };
+        self.setup.measured(&totals)
     }
 }

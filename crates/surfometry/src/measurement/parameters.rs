@@ -22,6 +22,9 @@ pub enum EmbeddingKind {
     /// The blurred indicator without the leading shift of its surface: curvature and position of the original
     /// object.
     Corrected,
+    /// The same of the mask with sparse corrections, so that every voxel whose sign the blur would lose is on its side again:
+    /// thin parts and detail of the original object ([`Recovery`](crate::embedding::Recovery)).
+    Recovering,
     /// Signed distance to the voxel faces (the baseline that the paper rejects).
     Distance,
     /// Signed distance that is 0 on the object's boundary voxels, as ITK's: half a voxel inside.
@@ -35,6 +38,7 @@ pub enum EmbeddingKind {
 choices!(EmbeddingKind, "embedding": {
     Gaussian = "gaussian": "The blurred mask (the paper)",
     Corrected = "corrected": "Two blurs combined so that the surface does not move: local curvature of the original object",
+    Recovering = "recovering": "The corrected blur of the mask with few corrections, so that it gives every voxel back: thin parts and detail",
     Distance = "distance": "Signed distance to the voxel faces: the baseline that the paper rejects",
     DistanceToVoxels = "distance-to-voxels": "Signed distance that is zero on the boundary voxels, as ITK's: its surface lies half a voxel inside",
     Probability = "probability": "The input is a soft segmentation, values from 0 to 1, which is blurred",
@@ -44,7 +48,7 @@ choices!(EmbeddingKind, "embedding": {
 impl EmbeddingKind {
     /// Whether the field is made by blurring.
     pub fn is_blur(self) -> bool {
-        matches!(self, Self::Gaussian | Self::Corrected | Self::Probability)
+        matches!(self, Self::Gaussian | Self::Corrected | Self::Recovering | Self::Probability)
     }
 
     /// Whether the input is an image of labels, not of values that are one object.
@@ -57,10 +61,15 @@ impl EmbeddingKind {
         matches!(self, Self::Distance | Self::DistanceToVoxels)
     }
 
+    /// Whether the blur's leading shift is taken off.
+    pub(super) fn is_corrected(self) -> bool {
+        matches!(self, Self::Corrected | Self::Recovering)
+    }
+
     /// A flat edge after the blur of an embedding that has one.
     pub(super) fn profile(self, sigma: f64) -> EdgeProfile {
         match self {
-            Self::Corrected => EdgeProfile::corrected(sigma),
+            Self::Corrected | Self::Recovering => EdgeProfile::corrected(sigma),
             _ => EdgeProfile::blurred(sigma),
         }
     }
@@ -203,6 +212,13 @@ pub struct Parameters {
     pub clip: Clip,
 }
 
+impl Measurement {
+    /// Whether objects must be known as wholes before anything can be summed over them.
+    pub(super) fn needs_whole_objects(&self) -> bool {
+        self.clip == Clip::Exclude || self.embedding == EmbeddingKind::Recovering
+    }
+}
+
 impl Parameters {
     pub(super) fn resolve(m: &Measurement, spacing: Spacing) -> Result<Self, MeasureError> {
         m.check()?;
@@ -282,7 +298,7 @@ impl Parameters {
     /// defined.
     pub(super) fn compensable_sigma(&self) -> Option<f64> {
         let sigma = self.sigma_mm.filter(|_| self.level == Some(0.5))?;
-        Some(if self.embedding == EmbeddingKind::Corrected { 0.0 } else { sigma })
+        Some(if self.embedding.is_corrected() { 0.0 } else { sigma })
     }
 
     /// The blur of which each vertex is told how far it has moved.
@@ -322,7 +338,10 @@ impl Measurement {
             _ if self.thickness.is_some() && self.epsilon.is_some() => {
                 conflict("thickness and epsilon say the same thing: give one of them")
             }
-            EmbeddingKind::Corrected if self.level.is_some_and(|level| level != 0.5) => conflict(
+            EmbeddingKind::Recovering if self.clip == Clip::Exclude => conflict(
+                "the recovering embedding corrects voxels within the image alone: leave the cuts closed, or use the corrected embedding",
+            ),
+            kind if kind.is_corrected() && self.level.is_some_and(|level| level != 0.5) => conflict(
                 "the corrected embedding takes the shift off that a surface at level 0.5 has: leave the level at 0.5",
             ),
             kind if kind.is_blur() => Ok(()),

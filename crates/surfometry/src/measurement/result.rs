@@ -1,5 +1,6 @@
 //! What a measurement gives; names and units as in the JSON contract (docs/contract.md).
 
+use super::RecoverySummary;
 use super::{ClipSummary, LocatedChange, Parameters};
 use crate::accuracy::{CompensatedIntegrals, CompensationTerms, Flag, IntegralErrors};
 use crate::choice::choices;
@@ -59,6 +60,9 @@ pub struct Measured {
     pub parameters: Parameters,
     /// The image.
     pub grid: GridSummary,
+    /// Of the recovering embedding, what corrections did; `None` of others.
+    #[serde(default)]
+    pub recovery: Option<RecoverySummary>,
     /// Warnings.
     pub flags: Vec<Flag>,
     /// What compensation added to the blurred values, by cause; not part of the records.

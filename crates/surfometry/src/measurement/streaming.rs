@@ -4,7 +4,7 @@ use super::box_sums::Labels;
 use super::boxes::{PartialMeasurement, reach};
 use super::scheme::Scheme;
 use super::setup::Setup;
-use super::{Clip, MeasureError, Measured, Measurement};
+use super::{MeasureError, Measured, Measurement};
 use crate::Control;
 use crate::tiling::{IndexBox, TILE};
 use crate::volume::{LabelGroup, LabelImage, LabelRuns, LabelSelection, RunEncoder, SlabReader};
@@ -81,8 +81,8 @@ impl Measurement {
     {
         let grid = *reader.grid();
         let setup = Setup { control: control.clone(), ..Setup::of_masks(self, grid)? };
-        if Scheme::check_reach(&setup).is_err() || self.clip == Clip::Exclude {
-            // A blur so wide is refused, unless it is known to leave nothing: for that objects must be known
+        if Scheme::check_reach(&setup).is_err() || self.needs_whole_objects() {
+            // Corrections need whole objects. A blur so wide is refused, unless it is known to leave nothing: for that objects must be known
             // as a whole. So must those that the image cuts, to be continued beyond it.
             let start = Instant::now();
             let image = LabelImage::from_slabs(reader).map_err(StreamError::Read)?;

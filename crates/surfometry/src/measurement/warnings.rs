@@ -23,6 +23,8 @@ pub(super) struct Evidence {
     pub(super) distance: bool,
     /// Whether it is the corrected blur.
     pub(super) corrected: bool,
+    /// Whether the voxels are corrected, so that thin parts are there.
+    pub(super) recovering: bool,
     /// Blur in mm, for the Gaussian embedding.
     pub(super) sigma: Option<f64>,
     /// Band thickness in mm.
@@ -256,6 +258,9 @@ fn open_topology_flags(e: &Evidence, chi: f64) -> Vec<Flag> {
 fn shape_flags(e: &Evidence) -> Vec<Flag> {
     let (Some(sigma), Some(plain)) = (e.sigma, e.with_surface()) else { return Vec::new() };
     let mut flags = Vec::new();
+    if e.recovering {
+        return flags;
+    }
     let (thickness, least) = (2.0 * plain.volume / plain.surface.area, THIN * sigma);
     let off = e.compensated_volume.map_or(0.0, |v| v / e.voxel_volume - 1.0);
     if thickness < least {

@@ -3,6 +3,7 @@
 use super::ExplainTopology;
 use super::object::{explain_topology, what_is_explained};
 use super::reading::{FileStamps, Watched, name_of};
+use super::recovery::{is_doubtful, recovered, recovering};
 use super::{Item, Opened, Plan, Reading, Record, RunError, Task};
 use crate::inputs::open;
 use crate::measurement::{Measured, StageSeconds};
@@ -116,11 +117,16 @@ impl MeasureTask {
         Ok(())
     }
 
-    /// Where voxels, mesh and band disagree, the input is read again to see why.
+    /// Where the blur loses detail, or voxels and mesh disagree, the input is read again: to measure the object in the
+    /// embedding that gives it back, and to see why.
     fn explain(&self, input: &Opened, results: &mut [(LabelGroup, Measured)]) -> Result<(), RunError> {
         let mut reading = None;
         for (number, (_, measured)) in results.iter_mut().enumerate() {
-            let Some(looked) = what_is_explained(measured, self.plan.explain_topology) else { continue };
+            let again = recovering(&self.plan).filter(|_| is_doubtful(measured));
+            let looked = what_is_explained(measured, self.plan.explain_topology);
+            if again.is_none() && looked.is_none() {
+                continue;
+            }
             let start = Instant::now();
             let reading = match &reading {
                 Some(reading) => reading,
@@ -129,7 +135,16 @@ impl MeasureTask {
             let objects = reading.objects_at(number, &self.plan);
             measured.timings.read_again = start.elapsed().as_secs_f64();
             for object in objects {
-                explain_topology(&object?.object, measured, looked);
+                let object = object?.object;
+                let better = again.map(|choices| recovered(&choices, &object, measured, input.control));
+                if let Some((object, found)) = better.transpose()?.flatten() {
+                    *measured = found;
+                    if let Some(looked) = what_is_explained(measured, self.plan.explain_topology) {
+                        explain_topology(&object, measured, looked);
+                    }
+                } else if let Some(looked) = looked {
+                    explain_topology(&object, measured, looked);
+                }
             }
             input.control.check()?;
         }

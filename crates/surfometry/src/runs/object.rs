@@ -1,5 +1,6 @@
 //! One object of an input, ready for whatever is asked of it.
 
+use super::recovery::{is_doubtful, recovered, recovering};
 use super::{ExplainTopology, Failure, Plan, Record};
 use crate::accuracy::Flag;
 use crate::inputs::input_title;
@@ -8,6 +9,7 @@ use crate::phantoms::Truth;
 use crate::surface::Surface;
 use crate::tiling::WorkTime;
 use crate::volume::LabelGroup;
+use crate::{Control, Measurement};
 use std::sync::{Arc, OnceLock};
 
 /// What all objects of an input share.
@@ -20,6 +22,9 @@ pub(super) struct InputFacts {
     pub(super) flags: Vec<Flag>,
     pub(super) read_seconds: f64,
     pub(super) explain: ExplainTopology,
+    /// How doubtful objects are measured again.
+    pub(super) recovering: Option<Measurement>,
+    pub(super) control: Control,
 }
 
 /// One object of an input, ready to be measured, mapped and shown. It owns what it needs.
@@ -80,11 +85,23 @@ impl InputObject {
         }
     }
 
+    /// It and its numbers in the embedding that gives it back, where those are better. An object that cannot be
+    /// had so has the blur's.
+    fn recovered(&self, measured: &Measured) -> Option<(Object, Measured)> {
+        let choices = self.facts.recovering.as_ref().filter(|_| is_doubtful(measured))?;
+        recovered(choices, &self.object, measured, &self.facts.control).ok().flatten()
+    }
+
     /// Measures it.
     pub fn record(&self) -> Record {
         let mut measured = self.object.measure();
+        let recovered = self.recovered(&measured);
+        let object = recovered.as_ref().map_or(&self.object, |(object, _)| object);
+        if let Some((_, found)) = &recovered {
+            measured = found.clone();
+        }
         if let Some(looked) = what_is_explained(&mut measured, self.facts.explain) {
-            explain_topology(&self.object, &mut measured, looked);
+            explain_topology(object, &mut measured, looked);
         }
         measured.flags.splice(0..0, self.facts.flags.iter().cloned());
         Record {
@@ -147,6 +164,8 @@ impl InputFacts {
             flags: input.source.flags(),
             read_seconds,
             explain: plan.explain_topology,
+            recovering: recovering(plan),
+            control: input.control.clone(),
         }
     }
 }

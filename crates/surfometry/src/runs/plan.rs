@@ -12,7 +12,7 @@ use crate::volume::LabelSelection;
 /// let plan = Plan { measurement: given, per_component: true, ..Plan::default() };
 /// assert!(plan.check().is_err());
 /// ```
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone)]
 pub struct Plan {
     /// How objects are measured.
     pub measurement: Measurement,
@@ -26,6 +26,23 @@ pub struct Plan {
     pub per_component: bool,
     /// When it is said where the blur and the band change topology.
     pub explain_topology: ExplainTopology,
+    /// Whether objects of which the default blur loses detail are measured in the recovering embedding instead, where its
+    /// errors are smaller. Choices of the caller's own are kept to.
+    pub recover: bool,
+}
+
+impl Default for Plan {
+    fn default() -> Self {
+        Self {
+            measurement: Measurement::default(),
+            open: OpenOptions::default(),
+            labels: LabelSelection::default(),
+            curvature: CurvatureScale::default(),
+            per_component: false,
+            explain_topology: ExplainTopology::default(),
+            recover: true,
+        }
+    }
 }
 
 /// When it is looked into where the blur and the band change an object's topology.

@@ -1,0 +1,112 @@
+//! Objects that their embedding gives back: corrections between the mask and its blur, and what is measured then.
+
+use super::SurfaceValues;
+use super::setup::Setup;
+use crate::accuracy::{Flag, FlagCode};
+use crate::embedding::{CorrectedMask, Corrections, Price, Recovery};
+use crate::surface::Surface;
+use crate::volume::Mask;
+use serde::{Deserialize, Serialize};
+
+/// How far beyond the centres of voxels that were lost the surface is asked to lie, at most, in geometric mean spacings: on thin
+/// parts it passes by the outermost centres otherwise (`experiments/recovering_embedding`).
+const MARGIN: f64 = 0.1;
+
+/// What corrections did to give an object back.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+pub struct RecoverySummary {
+    /// Voxels beside the boundary, by faces.
+    pub beside: u64,
+    /// Those of them that the corrected blur puts on the wrong side.
+    pub violated: u64,
+    /// Voxels that are corrected.
+    pub corrected: u64,
+    /// Those that are on the wrong side still.
+    pub left: u64,
+    /// Those that are not corrected because they look like noise.
+    pub refused: u64,
+    /// Level of noise of the mask: rms depth of violations that nothing around them speaks for, in geometric mean spacings.
+    pub noise: f64,
+    /// Whether that is so high that what does not stand out from it was left to the blur.
+    pub noisy: bool,
+}
+
+/// The same with the values of the surface that came of it.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Recovered {
+    pub(super) summary: RecoverySummary,
+    /// A and M of the mesh.
+    pub(super) values: Option<[f64; 2]>,
+    /// Integral of |H|, mm: what M's error is measured by, for M may cancel.
+    absolute: f64,
+}
+
+/// The corrections of an object's mask.
+pub(super) fn recovered(setup: &Setup, mask: &Mask) -> (CorrectedMask, Recovered) {
+    let sigma = setup.parameters.sigma_mm.unwrap_or_default();
+    let recovery =
+        Recovery { sigma, truncation: setup.truncation(), price: Price::FromEvidence, margin: MARGIN };
+    let found = recovery.corrections(mask);
+    let summary = RecoverySummary::of(&found);
+    let corrected = CorrectedMask::new(mask.clone(), found.amounts);
+    (corrected, Recovered { summary, ..Recovered::default() })
+}
+
+impl RecoverySummary {
+    fn of(found: &Corrections) -> Self {
+        Self {
+            beside: found.beside,
+            violated: found.violated,
+            corrected: found.amounts.len() as u64,
+            left: found.left,
+            refused: found.refused,
+            noise: found.noise[0],
+            noisy: found.noisy,
+        }
+    }
+
+    /// Share of the voxels beside the boundary that the blur alone would lose.
+    fn share(&self) -> f64 {
+        if self.beside == 0 { 0.0 } else { self.violated as f64 / self.beside as f64 }
+    }
+
+    pub(super) fn flag(&self) -> Option<Flag> {
+        let message = format!(
+            "the mask is noisy: {} of the {} voxels beside its boundary stand alone on the wrong side of a smooth surface (level {:.3} of a voxel); they \
+             are left to the blur, and detail of their size is not told from them",
+            self.refused, self.beside, self.noise
+        );
+        self.noisy.then(|| Flag::new(FlagCode::NoisyMask, message))
+    }
+}
+
+/// Standard errors of A and M as shares of A and of the integral of |H|: where nothing is corrected, and where everything is.
+const ERRORS: [[f64; 2]; 2] = [[0.003, 0.03], [0.004, 0.06]];
+
+impl Recovered {
+    /// With the area and the integral of H of the mesh: a band is wider than thin parts.
+    pub(super) fn with_surface(mut self, surface: &Surface) -> Self {
+        let areas = surface.mesh.vertex_areas();
+        let curvature = || areas.iter().zip(&surface.vertices).map(|(a, v)| (a, v.curvature.mean_curvature));
+        let area: f64 = areas.iter().sum();
+        self.values = (area > 0.0).then(|| [area, curvature().map(|(a, h)| a * h).sum()]);
+        self.absolute = curvature().map(|(a, h)| a * h.abs()).sum();
+        self
+    }
+
+    /// A, M and M / A of the object, and their standard errors.
+    pub(super) fn results(&self) -> Option<[SurfaceValues; 2]> {
+        let [area, mean] = self.values?;
+        let root = self.summary.share().sqrt();
+        let [of_area, of_mean] = ERRORS.map(|[least, most]| libm::hypot(least, most * root));
+        let (area_error, mean_error) = (of_area * area, of_mean * self.absolute);
+        let average_error = libm::hypot(mean_error / area, area_error * mean / (area * area));
+        let of = |area, mean, average| SurfaceValues {
+            surface_area_mm2: Some(area),
+            total_mean_curvature_mm: Some(mean),
+            average_mean_curvature_per_mm: Some(average),
+            ..SurfaceValues::default()
+        };
+        Some([of(area, mean, mean / area), of(area_error, mean_error, average_error)])
+    }
+}
