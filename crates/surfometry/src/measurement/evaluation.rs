@@ -158,8 +158,10 @@ impl Setup {
         });
         let mut errors = compensated_errors.as_ref().map(SurfaceValues::of_errors).unwrap_or_default();
         let mut values = compensated(blurred, terms);
-        if let Some([recovered, recovered_errors]) =
-            totals.recovered.and_then(|recovered| recovered.results())
+        if let Some([recovered, recovered_errors]) = totals
+            .recovered
+            .zip(counted)
+            .and_then(|(recovered, counted)| recovered.results(counted, self.grid.spacing()))
         {
             (values, errors) = (recovered, recovered_errors);
         }

@@ -5,8 +5,9 @@ use super::setup::Setup;
 use crate::accuracy::{Flag, FlagCode};
 use crate::embedding::{CorrectedMask, Corrections, Price, Recovery};
 use crate::surface::Surface;
-use crate::volume::Mask;
+use crate::volume::{Mask, Spacing};
 use serde::{Deserialize, Serialize};
+use std::f64::consts::TAU;
 
 /// How far beyond the centres of voxels that were lost the surface is asked to lie, at most, in geometric mean spacings: on thin
 /// parts it passes by the outermost centres otherwise (`experiments/recovering_embedding`).
@@ -31,14 +32,22 @@ pub struct RecoverySummary {
     pub noisy: bool,
 }
 
-/// The same with the values of the surface that came of it.
+/// The same with the surface that came of it.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Recovered {
     pub(super) summary: RecoverySummary,
-    /// A and M of the mesh.
-    pub(super) values: Option<[f64; 2]>,
-    /// Integral of |H|, mm: what M's error is measured by, for M may cancel.
-    absolute: f64,
+    surface: Option<Mesh>,
+}
+
+/// What the mesh of phi = 0 has, mm.
+#[derive(Debug, Clone, Copy)]
+struct Mesh {
+    volume: f64,
+    area: f64,
+    total_mean_curvature: f64,
+    euler_characteristic: f64,
+    /// Integral of |H|: what M's error is measured by, for M may cancel.
+    absolute_mean_curvature: f64,
 }
 
 /// The corrections of an object's mask.
@@ -81,25 +90,45 @@ impl RecoverySummary {
 }
 
 /// Standard errors of A and M as shares of A and of the integral of |H|: where nothing is corrected, and where everything is.
-const ERRORS: [[f64; 2]; 2] = [[0.003, 0.03], [0.004, 0.06]];
+const ERRORS: [[f64; 2]; 2] = [[0.003, 0.04], [0.004, 0.13]];
+/// Share of what the shift to the voxels' volume changes that may be wrong: parts of an object are short of it by more or less.
+const OF_SHIFT: f64 = 0.5;
+/// Furthest shift, in geometric mean spacings.
+const FURTHEST: f64 = 0.5;
 
 impl Recovered {
-    /// With the area and the integral of H of the mesh: a band is wider than thin parts.
-    pub(super) fn with_surface(mut self, surface: &Surface) -> Self {
-        let areas = surface.mesh.vertex_areas();
-        let curvature = || areas.iter().zip(&surface.vertices).map(|(a, v)| (a, v.curvature.mean_curvature));
+    /// With the mesh of phi = 0: a band is wider than thin parts.
+    pub(super) fn with_surface(self, surface: &Surface) -> Self {
+        let mesh = &surface.mesh;
+        let areas = mesh.vertex_areas();
         let area: f64 = areas.iter().sum();
-        self.values = (area > 0.0).then(|| [area, curvature().map(|(a, h)| a * h).sum()]);
-        self.absolute = curvature().map(|(a, h)| a * h.abs()).sum();
-        self
+        let curvature =
+            areas.iter().zip(&surface.vertices).map(|(a, v)| a * v.curvature.mean_curvature.abs());
+        let surface = Mesh {
+            volume: mesh.volume(),
+            area,
+            total_mean_curvature: mesh.total_mean_curvature(),
+            euler_characteristic: mesh.euler_characteristic() as f64,
+            absolute_mean_curvature: curvature.sum(),
+        };
+        Self { surface: (area > 0.0).then_some(surface), ..self }
     }
 
-    /// A, M and M / A of the object, and their standard errors.
-    pub(super) fn results(&self) -> Option<[SurfaceValues; 2]> {
-        let [area, mean] = self.values?;
+    /// A, M and M / A of the object, and their standard errors: of the surface parallel to the mesh that has the voxels' volume.
+    /// On thin parts phi = 0 passes by the outermost centres, and so too far in.
+    pub(super) fn results(&self, volume: f64, spacing: Spacing) -> Option<[SurfaceValues; 2]> {
+        let mesh = self.surface?;
+        let most = FURTHEST * spacing.geometric_mean();
+        let shift = ((volume - mesh.volume) / mesh.area).clamp(-most, most);
+        // Steiner's formulas.
+        let gaussian = TAU * mesh.euler_characteristic;
+        let [of_area, of_mean] =
+            [2.0 * mesh.total_mean_curvature * shift + gaussian * shift * shift, gaussian * shift];
+        let (area, mean) = (mesh.area + of_area, mesh.total_mean_curvature + of_mean);
         let root = self.summary.share().sqrt();
-        let [of_area, of_mean] = ERRORS.map(|[least, most]| libm::hypot(least, most * root));
-        let (area_error, mean_error) = (of_area * area, of_mean * self.absolute);
+        let [area_share, mean_share] = ERRORS.map(|[least, most]| libm::hypot(least, most * root));
+        let area_error = libm::hypot(area_share * area, OF_SHIFT * of_area);
+        let mean_error = libm::hypot(mean_share * mesh.absolute_mean_curvature, OF_SHIFT * of_mean);
         let average_error = libm::hypot(mean_error / area, area_error * mean / (area * area));
         let of = |area, mean, average| SurfaceValues {
             surface_area_mm2: Some(area),

@@ -122,6 +122,9 @@ fn grid_flags(e: &Evidence) -> Vec<Flag> {
 }
 
 fn band_flags(e: &Evidence) -> Vec<Flag> {
+    if e.recovering {
+        return Vec::new();
+    }
     if e.plain.is_none() && e.boundary_curvature.is_some() && e.voxel_volume == 0.0 {
         let message = "no voxel of the object lies 3 sigma away from the faces that cut it, so there is nothing to measure between them; use \
                        a flat cap, or a smaller sigma";
@@ -216,7 +219,8 @@ fn topology_flags(e: &Evidence) -> Vec<Flag> {
     }
     // Adding 0 turns -0 into 0.
     let even = 2.0 * (chi / 2.0).round() + 0.0;
-    let near = (chi - even).abs() <= EULER_TOLERANCE;
+    // The band of a recovered object is wider than what was recovered, and none of its numbers comes from it.
+    let near = (chi - even).abs() <= EULER_TOLERANCE || e.recovering;
     let mut flags = Vec::new();
     if !near {
         let message = format!(
@@ -232,7 +236,7 @@ fn topology_flags(e: &Evidence) -> Vec<Flag> {
              bridges"
         );
         flags.push(Flag::new(FlagCode::EulerDiffersFromVoxels, message));
-    } else if near && even != voxels as f64 {
+    } else if near && even != voxels as f64 && !e.recovering {
         let message = format!(
             "the Euler characteristic is near {even}, the voxels' is {voxels}{mesh}: noise that lies near an even number, as where the grid \
              is coarse for sigma or the object thin"

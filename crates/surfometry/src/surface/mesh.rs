@@ -63,6 +63,35 @@ impl Mesh {
         uses
     }
 
+    /// The integral of H over it, mm: half of length times angle, edge by edge (Steiner's formula for polyhedra); edges
+    /// where the mesh is open have none.
+    pub fn total_mean_curvature(&self) -> f64 {
+        let mut sides: Vec<([u32; 2], bool, u32)> = Vec::with_capacity(3 * self.triangles.len());
+        for (number, &[a, b, c]) in self.triangles.iter().enumerate() {
+            sides.extend([[a, b], [b, c], [c, a]].map(|[from, to]| {
+                let forward = from < to;
+                (if forward { [from, to] } else { [to, from] }, forward, number as u32)
+            }));
+        }
+        sides.sort_unstable();
+        let normal = |triangle: u32| {
+            let [a, b, c] = self.triangles[triangle as usize].map(|v| self.vertices[v as usize]);
+            cross(minus(b, a), minus(c, a))
+        };
+        let bend = |pair: &[([u32; 2], bool, u32)]| match pair {
+            [(edge, false, left), (_, true, right)] => {
+                let [from, to] = edge.map(|v| self.vertices[v as usize]);
+                let along = minus(to, from);
+                let length = dot(along, along).sqrt();
+                let (n, m) = (normal(*right), normal(*left));
+                let angle = libm::atan2(dot(cross(n, m), along), length * dot(n, m));
+                if angle.is_finite() { 0.5 * length * angle } else { 0.0 }
+            }
+            _ => 0.0,
+        };
+        sides.chunk_by(|a, b| a.0 == b.0).map(bend).sum()
+    }
+
     /// A third of the area of the triangles around each vertex, mm^2: weights that sum to the mesh's area.
     pub fn vertex_areas(&self) -> Vec<f64> {
         let mut areas = vec![0.0; self.vertices.len()];
@@ -152,5 +181,23 @@ mod tests {
         assert_eq!(open.euler_characteristic(), 1);
         let turned = Mesh { triangles: vec![[0, 1, 2], [0, 1, 3], [0, 3, 2], [1, 2, 3]], ..mesh };
         assert!(!turned.is_closed());
+    }
+
+    /// A box has its edges' lengths times pi / 4, whichever way its faces are cut into triangles; turned inside
+    /// out, minus that.
+    #[test]
+    fn edges_have_total_mean_curvature() {
+        let sides = [2.0, 3.0, 5.0];
+        let corner = |n: u32| std::array::from_fn(|a| f64::from(n >> a & 1) * sides[a]);
+        let faces = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+        let triangles: Vec<[u32; 3]> =
+            faces.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
+        let mesh = Mesh { vertices: (0..8).map(corner).collect(), triangles };
+        assert!((mesh.volume() - 30.0).abs() < 1e-12 && mesh.is_closed());
+        let expected = 4.0 * (2.0 + 3.0 + 5.0) * std::f64::consts::PI / 4.0;
+        assert!((mesh.total_mean_curvature() - expected).abs() < 1e-12);
+        let turned = mesh.triangles.iter().map(|&[a, b, c]| [a, c, b]).collect();
+        let hollow = Mesh { triangles: turned, ..mesh };
+        assert!((hollow.total_mean_curvature() + expected).abs() < 1e-12);
     }
 }
