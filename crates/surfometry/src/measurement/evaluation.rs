@@ -85,7 +85,9 @@ impl Setup {
         let detail = &totals.sums.detail;
         let original = self.described() == DescribedSurface::Original;
         flags.extend(totals.recovered.and_then(|recovered| recovered.summary.flag()));
-        let taken = area.filter(|_| original).and_then(|area| detail.flag(area, &self.grid));
+        // What was taken for noise is told of as such.
+        let noisy = totals.recovered.is_some_and(|recovered| recovered.summary.noisy);
+        let taken = area.filter(|_| original && !noisy).and_then(|area| detail.flag(area, &self.grid));
         flags.extend(taken);
         let errors = surface.and_then(|integrals| self.error_model(&integrals));
         if errors.is_none() && surface.is_some() {
@@ -167,8 +169,10 @@ impl Setup {
         }
         // Copies of one part are all off in the same direction.
         let copies = f64::from(totals.voxels.symmetry(self.grid.spacing()));
+        // Straight thin parts lie in the lattice as a whole.
+        let thin = totals.recovered.map_or(1.0, |recovered| recovered.summary.thinness());
         let counted_error =
-            modelled.map(|(model, blurred)| model.grid_noise(&blurred).volume * copies.sqrt());
+            modelled.map(|(model, blurred)| model.grid_noise(&blurred).volume * copies.sqrt() * thin);
         let exact = euler.map(|_| 0.0);
         [
             SurfaceValues {

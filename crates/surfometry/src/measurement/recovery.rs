@@ -79,6 +79,11 @@ impl RecoverySummary {
         if self.beside == 0 { 0.0 } else { self.violated as f64 / self.beside as f64 }
     }
 
+    /// By how much the count of voxels scatters more than of a smooth body: up to three times, as measured on tubes.
+    pub(super) fn thinness(&self) -> f64 {
+        1.0 + 2.0 * self.share().sqrt()
+    }
+
     pub(super) fn flag(&self) -> Option<Flag> {
         let message = format!(
             "the mask is noisy: {} of the {} voxels beside its boundary stand alone on the wrong side of a smooth surface (level {:.3} of a voxel); they \

@@ -97,7 +97,8 @@ fn grid_flags(e: &Evidence) -> Vec<Flag> {
         ));
     }
     let sampled = SAMPLED_THICKNESS * largest;
-    if below(e.thickness, sampled) {
+    // Of a recovered object nothing is summed over a band.
+    if below(e.thickness, sampled) && !e.recovering {
         let cure = match e.sigma {
             // A band of 4.5 sigma reaches the flat ends of the blurred edge.
             Some(sigma) if sampled > 4.45 * sigma => {
