@@ -1,7 +1,7 @@
 //! The least corrections of one cluster.
 
-/// Sweeps over a cluster. Where voxels are nearly of one mind a few dozen do; what is left after these goes into the next round.
-const SWEEPS: usize = 200;
+/// Sweeps over a cluster: a few dozen do nearly always, and the next round sees what they leave.
+const SWEEPS: usize = 80;
 
 /// Changes of phi below this end a solution. It is a quarter of the clearance that is asked for.
 const TOLERANCE: f64 = 5e-5;
