@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import ndimage as ndi
 
-from solver import slope_at_edge
+from solver import CORRECTED, Kernel, slope_at_edge
 
 
 @dataclass
@@ -18,10 +18,12 @@ class Rule:
     coherent_large: float = 0.8  # this times T in the large one,
     support: float = 3.0  # and S >= this times its own depth
     shallow: float = 0.15  # alone: deeper than this,
-    against: float = 0.2  # and S < this times T
-    company: float = 1.5  # or S < this times its own depth, both in the small window
-    noise: float = 0.025  # noisy: rms depth of those alone, over all voxels beside the boundary
-    kappa: float = 1.5  # support in a noisy object: S over the window's voxels beside the boundary above this times the noise
+    against: float = 0.2  # S < this times T
+    company: float = 1.5  # or S < this times its own depth, both in the small window,
+    seen: float = 0.1  # and deeper than this, in voxels, in a corrected blur of one voxel along each axis (the fine one)
+    noise: float = 0.02  # noisy: rms depth of those alone over all voxels beside the boundary is above this,
+    fine_noise: float = 0.01  # and that of all violations of the fine blur, in voxels, above this; each of the side of the boundary that has less, both taken to be like it
+    kappa: float = 2.0  # support in a noisy object: S over the window's voxels beside the boundary above this times the noise
     price: float = 1.0
     alone: float = 0.4  # price of those alone where the object is not noisy
 
@@ -49,9 +51,11 @@ def priced(mask, near, phi0, kernel, rule=Rule()):
         here = violated & (agree >= coherent * total) & (agree >= rule.support * depth)
         mean = np.maximum(mean, np.where(here, agree / np.maximum(others(near), 1e-9), 0))
         supported |= here
-    alone = violated & ~supported & against & (depth > rule.shallow)
-    noise = np.sqrt((alone * depth**2).sum() / max(1, near.sum()))
-    if noise < rule.noise:
+    fine = np.maximum(0, -sign * (0.5 - Kernel(CORRECTED, 1.0, (1.0, 1.0, 1.0)).blur(mask))) * near / slope_at_edge(1.0)
+    alone = violated & ~supported & against & (depth > rule.shallow) & (fine > rule.seen)
+    lesser = lambda square: np.sqrt(2 * min(square[mask].sum(), square[~mask].sum()) / max(1, near.sum()))
+    noise, fine_noise = lesser(alone * depth**2), lesser(fine**2)
+    if noise < rule.noise or fine_noise < rule.fine_noise:
         price = np.where(alone, rule.alone, rule.price)
     else:
         price = np.where(supported & (mean >= rule.kappa * noise), rule.price, 0.0)

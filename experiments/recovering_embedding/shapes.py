@@ -55,6 +55,13 @@ def rods(p, R, count, radius, from_, to):
     return nearest - radius
 
 
+def struts(p, period, radius, R):
+    """A cubic lattice of rods, cut by a ball."""
+    q = np.abs((p + period / 2) % period - period / 2)
+    rods = [np.hypot(q[..., a], q[..., b]) for a, b in ((0, 1), (1, 2), (0, 2))]
+    return np.maximum(np.minimum.reduce(rods) - radius, length(p) - R)
+
+
 SHAPES = {
     "ellipsoid 16:11:8": (18, lambda p: length(p / [1.6, 1.1, 0.8]) - 10),
     "ellipsoid 24:16.5:12": (26, lambda p: length(p / [1.6, 1.1, 0.8]) - 15),
@@ -65,13 +72,16 @@ SHAPES = {
     **{f"plate {t}": (12 + t, lambda p, t=t: disc(p, 12 - t / 2) - t / 2) for t in (3, 4, 6)},
     "spicules": (22, lambda p: np.minimum(length(p) - 13, rods(p, 13, 14, 1.0, 10, 19))),
     "pits": (18, lambda p: np.maximum(length(p) - 16, -rods(p, 16, 14, 1.2, 8, 22))),
+    "cube 20": (19, lambda p: np.abs(p).max(-1) - 10),
+    "struts r = 2": (16, lambda p: struts(p, 9.0, 2.0, 15.0)),
     "gyroid": (16, lambda p: gyroid(p, 24.0, 14.0)),
 }
 # Where curvature is not defined at creases it is not compared.
-CREASED = {"spicules", "pits", "gyroid", *(f"plate {t}" for t in (3, 4, 6))}
+CREASED = {"spicules", "pits", "gyroid", "cube 20", "struts r = 2", *(f"plate {t}" for t in (3, 4, 6))}
 THIN = [name for name in SHAPES if name.startswith(("capsule", "plate"))]
 SMOOTH = ["ellipsoid 16:11:8", "ellipsoid 24:16.5:12", "bumpy ball", "dimple", "torus 10.5 / 4.2"]
 DETAILED = ["spicules", "pits", "gyroid"]
+SHARP = ["cube 20", "struts r = 2"]
 SPACINGS = {"1:1:1": (1.0, 1.0, 1.0), "1:1:2.5": tuple(np.array([1, 1, 2.5]) / 2.5 ** (1 / 3))}
 NOISES = ("clean", "1 % flipped", "5 % flipped", "slices shifted")
 
@@ -206,16 +216,23 @@ def jet(phi, spacing, points):
     return g, second
 
 
+def surface(made, phi):
+    v, f, _, _ = measure.marching_cubes(phi, 0.0, spacing=made.spacing, allow_degenerate=False)
+    if len(f) % 2:  # what was left out opened it
+        v, f, _, _ = measure.marching_cubes(phi, 0.0, spacing=made.spacing)
+    return v.astype(float), f
+
+
 def errors(made, phi, sample=800):
     """Signed % errors of V, A, M; chi less the true one; rms of H in % of k_rms, K of k_rms^2, and of the place."""
     if not np.isfinite(phi).all() or not (phi < 0).any():
         return None
-    v, f, _, _ = measure.marching_cubes(phi, 0.0, spacing=made.spacing, allow_degenerate=False)
+    v, f = surface(made, phi)
     got, want = mesh_numbers(v, f), exact(made.name)
     out = {k: 100 * (a / b - 1) for k, a, b in zip("VAM", got, want)}
     out["chi"] = got[3] - want[3]
     pick = np.random.default_rng(0).permutation(len(v))[:sample]
-    points = v[pick].astype(float)
+    points = v[pick]
     H0, K0, place = truth(made, points)
     out["place"] = np.sqrt(np.mean(np.minimum(place, 3.0) ** 2))
     if made.name not in CREASED:

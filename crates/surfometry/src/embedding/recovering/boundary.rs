@@ -75,18 +75,37 @@ impl Boundary {
         (self.direction(number) * self.phi[number]).max(0.0)
     }
 
-    /// Changes phi as a correction of a voxel by so much more lambda does.
-    pub(super) fn add(&mut self, number: usize, lambda: f64, kernel: &PairKernel) {
-        if lambda == 0.0 {
-            return;
+    /// Changes phi as corrections of voxels by so much more lambda do. Slabs are brought up to date beside
+    /// each other, and in each the corrections in their order: the same bits always.
+    pub(super) fn add(&mut self, changes: &[(u32, f64)], kernel: &PairKernel) {
+        let Self { voxels, inside, phi } = self;
+        let mut slabs = Vec::new();
+        let (mut first, mut rest) = (0, phi.as_mut_slice());
+        let [_, y1, z1] = voxels.bounds().upper;
+        for z in (voxels.bounds().lower[2]..z1).step_by(SLAB) {
+            let slab = voxels.bounds().intersection(&IndexBox {
+                lower: [i64::MIN, i64::MIN, z],
+                upper: [i64::MAX, i64::MAX, z + SLAB as i64],
+            });
+            let end = voxels.in_row((slab.upper[0], slab.upper[0]), y1 - 1, slab.upper[2] - 1).end;
+            let (own, others) = std::mem::take(&mut rest).split_at_mut(end - first);
+            slabs.push((slab, first, own));
+            (first, rest) = (end, others);
         }
-        let amount = self.direction(number) * lambda;
-        let phi = &mut self.phi;
-        self.voxels.for_each_within(self.voxels.place(number), kernel.reach(), |other, distance| {
-            phi[other] -= amount * kernel.at(distance);
+        slabs.into_par_iter().for_each(|(slab, first, phi)| {
+            for &(number, lambda) in changes {
+                let place = voxels.place(number as usize);
+                let amount = if inside[number as usize] { lambda } else { -lambda };
+                voxels.for_each_within(place, kernel.reach(), &slab, |other, distance| {
+                    phi[other - first] -= amount * kernel.at(distance);
+                });
+            }
         });
     }
 }
+
+/// Slices that are brought up to date together.
+const SLAB: usize = 16;
 
 /// A field at voxels beside the boundary, tile by tile.
 fn values(mask: &Mask, voxels: &VoxelList, embedding: &GaussianEmbedding<'_>) -> Vec<f64> {

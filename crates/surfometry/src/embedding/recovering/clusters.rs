@@ -25,7 +25,7 @@ impl Clusters {
         let (reach, least) = (kernel.reach_above(SEEN), SEEN * kernel.peak());
         let links_of = |number: usize| {
             let mut links = Vec::new();
-            list.for_each_within(list.place(number), reach, |other, distance| {
+            list.for_each_within(list.place(number), reach, &list.bounds(), |other, distance| {
                 let value = kernel.at(distance);
                 if other != number && value.abs() >= least {
                     links.push((other as u32, (directions[number] * directions[other] * value) as f32));

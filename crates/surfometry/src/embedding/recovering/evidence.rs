@@ -21,7 +21,7 @@ const COMPANY: f64 = 3.0;
 const SHALLOW: f64 = 0.15;
 const AGAINST: f64 = 0.2;
 const LITTLE: f64 = 1.5;
-const SEEN: f64 = 0.05;
+const SEEN: f64 = 0.1;
 
 /// An object is noisy where two rms depths over all voxels beside its boundary are above these: of those
 /// alone, and, in voxels, of all violations of the fine blur. Noise is on both sides of a boundary, a sharp
@@ -152,7 +152,7 @@ impl Window {
     /// What is around a violation among those of a list.
     fn around(&self, list: &VoxelList, (inside, depths): (&[bool], &[f64]), number: usize) -> Around {
         let mut around = Around::default();
-        list.for_each_within(list.place(number), self.reach(), |other, distance| {
+        list.for_each_within(list.place(number), self.reach(), &list.bounds(), |other, distance| {
             if other != number {
                 let depth = self.at(distance) * depths[other];
                 around.all += depth;
@@ -165,7 +165,7 @@ impl Window {
     /// The sum over a list's voxels around a place, without the one there.
     fn weight(&self, list: &VoxelList, place: [i32; 3]) -> f64 {
         let mut sum = -1.0;
-        list.for_each_within(place, self.reach(), |_, distance| sum += self.at(distance));
+        list.for_each_within(place, self.reach(), &list.bounds(), |_, distance| sum += self.at(distance));
         sum
     }
 }

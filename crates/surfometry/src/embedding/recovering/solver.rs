@@ -1,11 +1,17 @@
 //! The least corrections of one cluster.
 
-/// Sweeps over a cluster. Where voxels are nearly of one mind a few dozen do; what is left after these goes
-/// into the next round.
-const SWEEPS: usize = 200;
+/// Sweeps over a cluster: a few dozen do nearly always, and the next round sees what they leave.
+const SWEEPS: usize = 80;
 
 /// Changes of phi below this end a solution. It is a quarter of the clearance that is asked for.
 const TOLERANCE: f64 = 5e-5;
+
+/// Changes of phi below this are not made: voxels that have settled cost nothing.
+pub(super) const NOTHING: f64 = 2e-6;
+
+/// Steps go so much farther than to their voxel's own minimum: neighbours are nearly of one mind, and follow.
+/// (Below 2 it converges.)
+const FARTHER: f64 = 1.5;
 
 /// Voxels that see each other.
 #[derive(Debug)]
@@ -26,9 +32,9 @@ pub(super) fn solve(cluster: &mut Cluster, peak: f64) {
     for _ in 0..SWEEPS {
         let mut largest = 0.0f64;
         for n in 0..lambdas.len() {
-            let wanted = (lambdas[n] - excess[n] / peak).max(0.0).min(caps[n]);
+            let wanted = (lambdas[n] - FARTHER * excess[n] / peak).max(0.0).min(caps[n]);
             let step = wanted - lambdas[n];
-            if step == 0.0 {
+            if step.abs() * peak < NOTHING {
                 continue;
             }
             lambdas[n] = wanted;

@@ -46,20 +46,25 @@ impl VoxelList {
     pub(super) fn in_row(&self, (x0, x1): (i64, i64), y: i64, z: i64) -> std::ops::Range<usize> {
         let row = row_number(&self.bounds, y, z);
         let (first, end) = (self.rows[row] as usize, self.rows[row + 1] as usize);
+        // Most rows have none.
+        if first == end {
+            return first..end;
+        }
         let row = &self.places[first..end];
         let before = |x: i64| first + row.partition_point(|place| i64::from(place[0]) < x);
         before(x0)..before(x1)
     }
 
-    /// Visits, in memory order, the voxels of the box of a reach around a place: number, and distance along
-    /// each axis in voxels.
+    /// Visits, in memory order, the voxels of a part of the bounds in the box of a reach around a place:
+    /// number, and distance along each axis in voxels.
     pub(super) fn for_each_within(
         &self,
         place: [i32; 3],
         reach: [i64; 3],
+        part: &IndexBox,
         mut visit: impl FnMut(usize, [usize; 3]),
     ) {
-        let around = IndexBox::voxel(place.map(i64::from)).grown(reach).intersection(&self.bounds);
+        let around = IndexBox::voxel(place.map(i64::from)).grown(reach).intersection(part);
         for (y, z) in around.rows() {
             for number in self.in_row((around.lower[0], around.upper[0]), y, z) {
                 let other = self.places[number];
