@@ -1,6 +1,6 @@
 """Which recovering embedding: its formulation, scale, margin and price. README.md says what is asked and what came out.
 
-    python study.py            # all tables, about 14 minutes on one core
+    python study.py            # all tables, about 10 minutes on one core
     python study.py globals    # one of: formulation, neighbours, margin, price, globals
 """
 
