@@ -97,7 +97,7 @@ impl Detail {
         let sides: Vec<String> = sides.into_iter().flatten().collect();
         let message = format!(
             "the blur does not give the object back: {}, about {:.1} % of its surface; no compensation brings that back, and the errors of area and \
-             curvature are as large: use a smaller sigma",
+             curvature are as large: use a smaller sigma, or the recovering embedding",
             sides.join(", "),
             100.0 * share
         );

@@ -127,21 +127,27 @@ fn most_explained(measured: &Measured) -> usize {
     ((band / 8.0) as usize).clamp(1 << 14, 1 << 22)
 }
 
-/// What is looked at where an object's topology changes. `None` where nothing is; the flags say so.
-pub(super) fn what_is_explained(measured: &mut Measured, when: ExplainTopology) -> Option<Looked> {
+/// What is looked at where an object's topology changes. `None` where nothing is.
+pub(super) fn looked_at(measured: &Measured, when: ExplainTopology) -> Option<Looked> {
     // The voxels' topology is that of the whole object, not of the part between the cuts.
     if measured.clip.is_some() || !measured.parameters.embedding.is_blur() {
         return None;
     }
     match when {
-        ExplainTopology::Never => None,
         ExplainTopology::Disagreements if measured.blur_changed_topology() => Some(Looked::Blur),
-        ExplainTopology::Disagreements => {
-            measured.leave_unexplained();
-            None
-        }
+        ExplainTopology::Never | ExplainTopology::Disagreements => None,
         ExplainTopology::Always => Some(Looked::BlurAndBand),
     }
+}
+
+/// The same; where something is left that could be, the flags say so.
+pub(super) fn what_is_explained(measured: &mut Measured, when: ExplainTopology) -> Option<Looked> {
+    let looked = looked_at(measured, when);
+    let could = measured.clip.is_none() && measured.parameters.embedding.is_blur();
+    if looked.is_none() && could && when == ExplainTopology::Disagreements {
+        measured.leave_unexplained();
+    }
+    looked
 }
 
 /// Says where the topology changed, or, where too many voxels would have to be looked at, that it was not

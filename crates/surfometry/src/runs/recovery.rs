@@ -23,9 +23,21 @@ pub(super) fn recovering(plan: &Plan) -> Option<Measurement> {
     (plan.recover && !own).then(|| Measurement::default().embedding(EmbeddingKind::Recovering))
 }
 
+/// Voxels from which on an object has a shape to speak of.
+const LEAST_VOXELS: u64 = 30;
+/// Surface, in faces of voxels, up to which an object is measured again without being asked: a second, and some 100 MB. Where
+/// all of a large network hangs together, corrections take a hundred times as long as its blur.
+const MOST_FACES: f64 = 65_536.0;
+
 /// Whether an object is to be measured again.
 pub(super) fn is_doubtful(measured: &Measured) -> bool {
-    measured.flags.iter().any(|flag| DOUBTS.contains(&flag.code))
+    let spacing = measured.grid.spacing_mm;
+    let face = spacing.iter().product::<f64>().cbrt().powi(2);
+    let area = measured.blurred.surface_area_mm2.unwrap_or_default();
+    // Of an object that the blur left nothing of, no more than its voxels are known.
+    let faces = (area / face).max(2.0 * measured.voxels.count as f64 * f64::from(u8::from(area == 0.0)));
+    let feasible = measured.voxels.count >= LEAST_VOXELS && faces <= MOST_FACES;
+    feasible && measured.flags.iter().any(|flag| DOUBTS.contains(&flag.code))
 }
 
 /// Standard error of the area as a share of it; without bound where there is none.
