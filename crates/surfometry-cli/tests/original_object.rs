@@ -102,7 +102,9 @@ fn compensation_is_explained() {
     };
     for column in 0..3 {
         let terms = ["blurred", "blur's shift", "band's width", "terraces"];
-        let sum: f64 = terms.iter().map(|term| number(term, column)).sum();
+        // V is the voxels'.
+        let count = if column == 0 { number("count", 0) } else { 0.0 };
+        let sum = count + terms.iter().map(|term| number(term, column)).sum::<f64>();
         assert!((sum / number("original", column) - 1.0).abs() < 1e-4, "{}", text(&output.stdout));
     }
 }

@@ -4,7 +4,9 @@ use super::{Legend, TableStyle};
 use comfy_table::{CellAlignment, Table, presets};
 use std::fmt::Write;
 use surfometry::accuracy::{CompensatedIntegrals, CompensationTerms, Flag, FlagCode};
-use surfometry::measurement::{ChangeStage, DescribedSurface, EmbeddingKind, SurfaceValues, UNEXPLAINED};
+use surfometry::measurement::{
+    ChangeStage, DescribedSurface, EmbeddingKind, Measured, SurfaceValues, UNEXPLAINED,
+};
 use surfometry::runs::Record;
 
 /// A plain table with columns of numbers. A long one has its header again and again, and is set part by part:
@@ -137,6 +139,7 @@ fn rows(record: &Record, explain: bool) -> Vec<Vec<String>> {
     rows.push(blurred);
     if explain {
         rows.extend(m.compensation.iter().flat_map(term_rows));
+        rows.extend(count_row(m));
     }
     rows.push(vec![
         String::new(),
@@ -189,7 +192,6 @@ fn error_row(errors: &SurfaceValues) -> Vec<String> {
 
 /// What compensation adds to the blurred values, cause by cause.
 fn term_rows(terms: &CompensationTerms) -> Vec<Vec<String>> {
-    let signed = |v: f64| format!("{}{}", if v < 0.0 { "- " } else { "+ " }, digits(v.abs()));
     let causes = [("blur's shift", terms.shift), ("band's width", terms.band), ("terraces", terms.terraces)];
     let row = |(name, term): (&str, CompensatedIntegrals)| {
         vec![
@@ -201,6 +203,19 @@ fn term_rows(terms: &CompensationTerms) -> Vec<Vec<String>> {
         ]
     };
     causes.into_iter().map(row).collect()
+}
+
+/// What is left of V, which is the voxels'.
+fn count_row(m: &Measured) -> Option<Vec<String>> {
+    let terms = m.compensation?;
+    let compensated = m.blurred.volume_mm3? + terms.shift.volume + terms.band.volume + terms.terraces.volume;
+    let rest = m.volume_mm3.filter(|_| m.surface == DescribedSurface::Original)? - compensated;
+    Some(vec![String::new(), "count".to_owned(), signed(rest)])
+}
+
+/// With its sign before a space.
+fn signed(value: f64) -> String {
+    format!("{}{}", if value < 0.0 { "- " } else { "+ " }, digits(value.abs()))
 }
 
 /// An Euler characteristic by Gauss and Bonnet. It is rounded before it is printed, and 0 is added, so that

@@ -17,7 +17,7 @@ const BOX: &[&str] = &["min_x", "min_y", "min_z", "max_x", "max_y", "max_z"];
 pub(super) type Group = (&'static str, &'static [&'static str]);
 
 /// Of a [`Record`](super::Record).
-pub(super) const RECORD: [Group; 21] = [
+pub(super) const RECORD: [Group; 22] = [
     ("", &["input", "label", "name", "component", "surface"]),
     ("", VALUES),
     ("standard_error", VALUES),
@@ -60,6 +60,7 @@ pub(super) const RECORD: [Group; 21] = [
     ),
     ("grid_dimensions", AXES),
     ("grid_spacing_mm", AXES),
+    ("recovery", &["beside", "violated", "corrected", "left", "refused", "noise", "noisy"]),
     ("", &["flags"]),
     ("truth", TRUTH),
     ("", &["curvature_sigma_mm"]),

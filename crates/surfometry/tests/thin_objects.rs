@@ -1,0 +1,227 @@
+//! Thin parts and detail below the blur: what is lost is told and in the errors, and given back at defaults.
+
+mod common;
+
+use common::codes;
+use std::f64::consts::PI;
+use surfometry::Measurement;
+use surfometry::measurement::{EmbeddingKind, Measured};
+use surfometry::phantoms::{Ball, Capsule, Ellipsoid, Phantom, Pose, Shape, Shell, Torus};
+use surfometry::runs::{Plan, records_of};
+use surfometry::volume::{Grid, LabelImage, Mask};
+
+/// Poses that nothing was tuned on.
+fn pose(number: usize) -> Pose {
+    let part = |n: usize, step: f64| (0.37 + step * (3 * number + n) as f64).fract();
+    Pose::new(
+        std::array::from_fn(|a| 180.0 * part(a, 0.618_034)),
+        std::array::from_fn(|a| part(a, 0.754_878) - 0.5),
+    )
+}
+
+/// As a file at defaults.
+fn at_defaults(mask: &Mask) -> Measured {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("mask.nii.gz");
+    let grid = *mask.grid();
+    let voxels: Vec<u8> =
+        (0..grid.voxel_count()).map(|n| u8::from(mask.get(grid.index_of(n).map(|v| v as i64)))).collect();
+    surfometry::io::write_labels(&file, &LabelImage::from_voxels(grid, &voxels).unwrap()).unwrap();
+    records_of(file.to_str().unwrap(), &Plan::default()).unwrap().remove(0).measured
+}
+
+/// Relative errors of V, A and M in %, and the same of A and M in standard errors.
+fn errors(measured: &Measured, [volume, area, mean]: [f64; 3]) -> ([f64; 3], [f64; 2]) {
+    let found = [measured.volume_mm3, measured.surface_area_mm2, measured.total_mean_curvature_mm];
+    let found = found.map(Option::unwrap);
+    let relative = std::array::from_fn(|n| 100.0 * (found[n] / [volume, area, mean][n] - 1.0));
+    let errors = &measured.standard_error;
+    let shares = [
+        (found[1] - area) / errors.surface_area_mm2.unwrap(),
+        (found[2] - mean) / errors.total_mean_curvature_mm.unwrap(),
+    ];
+    (relative, shares)
+}
+
+/// Mean over poses of what is off V, A and M, and of its square; and that A and M lie within 2.5 standard errors in
+/// each pose.
+fn of_poses(name: &str, shape: &dyn Fn() -> Box<dyn Shape>) -> [[f64; 2]; 3] {
+    const POSES: usize = 6;
+    let mut sums = [[0.0; 2]; 3];
+    for number in 0..POSES {
+        let phantom = Phantom::new(shape(), pose(number), [1.0; 3]).unwrap();
+        let truth = phantom.truth().unwrap();
+        let truths = [truth.volume, truth.surface_area, truth.total_mean_curvature];
+        let measured = at_defaults(&phantom.labels().unwrap().mask(1));
+        let (relative, shares) = errors(&measured, truths);
+        println!(
+            "{name} {:?}: {relative:+.2?} %, {shares:+.2?} s.e. {:?}",
+            measured.parameters.embedding,
+            codes(&measured)
+        );
+        assert!(shares.iter().all(|share| share.abs() < 2.5), "{name}: {shares:?}");
+        assert_eq!(measured.topology.euler_characteristic_mesh, Some(truth.euler_characteristic), "{name}");
+        for (sum, error) in sums.iter_mut().zip(relative) {
+            sum[0] += error / POSES as f64;
+            sum[1] += error * error / POSES as f64;
+        }
+    }
+    sums.map(|[mean, square]| [mean, square.sqrt()])
+}
+
+/// Tubes, flat bodies, shells and small balls at defaults: bias and rms over poses of V, A and M.
+#[test]
+fn thin_shapes_are_measured() {
+    let capsule = |radius| move || -> Box<dyn Shape> { Box::new(Capsule { radius, length: 24.0 }) };
+    let cases: [(&str, &dyn Fn() -> Box<dyn Shape>, [f64; 3]); 8] = [
+        ("tube 1.5", &capsule(1.5), [4.0, 6.0, 8.0]),
+        ("tube 2", &capsule(2.0), [2.0, 4.0, 5.0]),
+        ("tube 2.5", &capsule(2.5), [2.0, 3.0, 4.0]),
+        ("tube 3", &capsule(3.0), [1.5, 2.0, 3.0]),
+        ("ring 2", &|| Box::new(Torus { major: 10.0, minor: 2.0 }), [2.0, 4.0, 5.0]),
+        ("flat 5", &|| Box::new(Ellipsoid { radii: [12.0, 9.0, 2.5] }), [2.0, 2.5, 3.0]),
+        ("shell 3", &|| Box::new(Shell { radius: 14.0, inner: 11.0 }), [1.0, 1.0, 100.0]),
+        ("ball 3", &|| Box::new(Ball { radius: 3.0 }), [4.0, 4.0, 4.0]),
+    ];
+    for (name, shape, bounds) in cases {
+        let found = of_poses(name, shape);
+        println!("{name}: mean and rms {found:+.2?} %");
+        for (found, bound) in found.iter().zip(bounds) {
+            assert!(found[1] < bound, "{name}: {found:?} of {bound}");
+        }
+    }
+}
+
+/// A ball with rods that stand out of it, or reach into it as blind pits: mask, and V, A, M of what it was made of.
+fn with_rods(radius: f64, rod: f64, length: f64, sign: f64) -> (Mask, [f64; 3]) {
+    const RODS: usize = 16;
+    let outer = radius + if sign > 0.0 { length + rod } else { 0.0 };
+    let n = (2.0 * outer + 8.0) as usize;
+    let grid = Grid::axis_aligned([n; 3], [1.0; 3]).unwrap();
+    let directions: Vec<[f64; 3]> = (0..RODS)
+        .map(|k| {
+            let z = 1.0 - (2 * k + 1) as f64 / RODS as f64;
+            let (s, turn) = ((1.0 - z * z).sqrt(), PI * (1.0 + 5f64.sqrt()) * k as f64 + 0.3);
+            [s * turn.cos(), s * turn.sin(), z]
+        })
+        .collect();
+    let centre = [n as f64 / 2.0 - 0.37, n as f64 / 2.0 - 0.21, n as f64 / 2.0 - 0.66];
+    let (from, to) = if sign > 0.0 { (0.0, radius + length) } else { (radius - length, 2.0 * radius) };
+    let mask = Mask::from_predicate(grid, |index| {
+        let p: [f64; 3] = std::array::from_fn(|a| index[a] as f64 - centre[a]);
+        let square: f64 = p.iter().map(|v| v * v).sum();
+        let in_rod = directions.iter().any(|d| {
+            let along = (0..3).map(|a| p[a] * d[a]).sum::<f64>().clamp(from, to);
+            (0..3).map(|a| (p[a] - along * d[a]).powi(2)).sum::<f64>() < rod * rod
+        });
+        if sign > 0.0 { square < radius * radius || in_rod } else { square < radius * radius && !in_rod }
+    });
+    // Caps are replaced by rods with round ends; where these meet the ball there is a crease.
+    let count = RODS as f64;
+    let foot = (radius * radius - rod * rod).sqrt();
+    let cap = 2.0 * PI * radius * (radius - foot);
+    let side = 2.0 * PI * rod * (sign * (radius - foot) + length);
+    let cap_volume = PI * (radius - foot).powi(2) * (3.0 * radius - (radius - foot)) / 3.0;
+    let rod_volume = PI * rod * rod * (length + sign * (radius - foot)) + 2.0 * PI * rod.powi(3) / 3.0;
+    let volume = 4.0 * PI * radius.powi(3) / 3.0 + count * (sign * rod_volume - cap_volume);
+    let area = 4.0 * PI * radius * radius + count * (side + 2.0 * PI * rod * rod - cap);
+    let tilt = (rod / radius).asin();
+    let crease = if sign > 0.0 { -(PI / 2.0 - tilt) } else { PI / 2.0 - tilt } * PI * rod;
+    let of_rod = sign * (0.5 * side / rod + 2.0 * PI * rod);
+    let mean = 4.0 * PI * radius + count * (of_rod - cap / radius + crease);
+    (mask, [volume, area, mean])
+}
+
+/// The blur of two voxels loses rods of a voxel's radius: the errors say by how much, and the flag where. At
+/// defaults they are given back.
+#[test]
+fn detail_is_told_or_given_back() {
+    for (sign, rod, mean_bound) in [(1.0, 1.0, 8.0), (-1.0, 1.2, 40.0)] {
+        let (mask, truth) = with_rods(22.0, rod, 10.0, sign);
+        let blurred = Measurement::default().run(&mask).unwrap();
+        let (off, shares) = errors(&blurred, truth);
+        println!("rods {sign}: blur {off:+.2?} %, {shares:+.2?} s.e.");
+        assert!(codes(&blurred).contains(&"detail-lost".to_owned()), "{:?}", codes(&blurred));
+        assert!(off[1] < -8.0, "A is {:+.1} % off", off[1]);
+        assert!(shares.iter().all(|share| share.abs() < 2.0), "{shares:?}");
+        assert!(off[0].abs() < 1.0, "V is the voxels': {:+.2} %", off[0]);
+        let measured = at_defaults(&mask);
+        let (off, shares) = errors(&measured, truth);
+        println!("rods {sign}: {:?} {off:+.2?} %, {shares:+.2?} s.e.", measured.parameters.embedding);
+        assert_eq!(measured.parameters.embedding, EmbeddingKind::Recovering);
+        assert!(off[1].abs() < 3.0 && off[2].abs() < mean_bound, "{off:?}");
+        assert!(shares.iter().all(|share| share.abs() < 2.5), "{shares:?}");
+        assert_eq!(measured.topology.euler_characteristic_mesh, Some(2));
+        let recovery = measured.recovery.unwrap();
+        assert!(recovery.corrected > 0 && !recovery.noisy, "{recovery:?}");
+    }
+}
+
+/// A well-resolved body loses nothing, and is measured as before, whatever the spacing.
+#[test]
+fn what_is_resolved_is_left_to_the_blur() {
+    for spacing in [[1.0; 3], [0.75, 1.0, 1.5]] {
+        for number in 0..3 {
+            let shape = Ellipsoid { radii: [21.0, 16.0, 13.0] };
+            let phantom = Phantom::new(shape, pose(number), spacing).unwrap();
+            let mask = phantom.labels().unwrap().mask(1);
+            let measured = at_defaults(&mask);
+            assert_eq!(measured.parameters.embedding, EmbeddingKind::Gaussian);
+            assert!(measured.recovery.is_none());
+            let again = Measurement::default().run(&mask).unwrap();
+            assert_eq!((measured.values, measured.standard_error), (again.values, again.standard_error));
+        }
+    }
+}
+
+/// Voxels flipped beside the boundary are not recovered: area and curvature stay those of the body.
+#[test]
+fn noise_is_not_recovered() {
+    let shape = Ellipsoid { radii: [18.0, 14.0, 11.0] };
+    let phantom = Phantom::new(shape, pose(2), [1.0; 3]).unwrap();
+    let clean = phantom.labels().unwrap().mask(1);
+    let beside = |index: [i64; 3]| {
+        let side = clean.get(index);
+        (0..6).any(|n| {
+            let mut next = index;
+            next[n / 2] += if n % 2 == 0 { 1 } else { -1 };
+            clean.get(next) != side
+        })
+    };
+    let noisy = Mask::from_predicate(*clean.grid(), |index| {
+        let index = index.map(|v| v as i64);
+        let number = (index[0] * 7 + index[1] * 131 + index[2] * 1009) as f64 * 0.618_034;
+        clean.get(index) != (beside(index) && (number * 7919.0).fract() < 0.05)
+    });
+    let truth = phantom.truth().unwrap();
+    let truths = [truth.volume, truth.surface_area, truth.total_mean_curvature];
+    let recovering = Measurement::default().embedding(EmbeddingKind::Recovering).run(&noisy).unwrap();
+    assert!(codes(&recovering).contains(&"noisy-mask".to_owned()), "{:?}", codes(&recovering));
+    for measured in [at_defaults(&noisy), recovering] {
+        let (off, shares) = errors(&measured, truths);
+        println!("noise: {off:+.2?} %, {shares:+.2?} s.e. {:?} {:?}", measured.recovery, codes(&measured));
+        assert!(off[1].abs() < 2.0 && off[2].abs() < 2.0, "{off:?}");
+        assert!(shares.iter().all(|share| share.abs() < 2.5), "{shares:?}");
+    }
+}
+
+/// A ball in the middle of the grid consists of 48 equal parts, whose errors are all alike: V is off by many times
+/// what it is for a ball elsewhere, and its error says so.
+#[test]
+fn objects_in_the_middle_of_the_grid_have_larger_errors() {
+    let ball = |centre: [f64; 3]| {
+        let grid = Grid::axis_aligned([33; 3], [1.0; 3]).unwrap();
+        let mask = Mask::from_predicate(grid, |index| {
+            (0..3).map(|a| (index[a] as f64 - centre[a]).powi(2)).sum::<f64>() < 144.0
+        });
+        Measurement::default().run(&mask).unwrap()
+    };
+    let truth = 4.0 / 3.0 * PI * 12f64.powi(3);
+    let [middle, elsewhere] = [[16.0; 3], [16.31, 15.83, 16.12]].map(ball);
+    let error = |measured: &Measured| measured.standard_error.volume_mm3.unwrap();
+    assert!((error(&middle) / error(&elsewhere) - 48f64.sqrt()).abs() < 0.5);
+    for measured in [middle, elsewhere] {
+        let off = measured.volume_mm3.unwrap() - truth;
+        assert!(off.abs() < 2.5 * error(&measured), "{off} {}", error(&measured));
+    }
+}
