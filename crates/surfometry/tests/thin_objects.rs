@@ -10,6 +10,9 @@ use surfometry::phantoms::{Ball, Capsule, Ellipsoid, Phantom, Pose, Shape, Shell
 use surfometry::runs::{Plan, records_of};
 use surfometry::volume::{Grid, LabelImage, Mask};
 
+/// Makes a shape, anew for each pose.
+type Maker<'a> = &'a dyn Fn() -> Box<dyn Shape>;
+
 /// Poses that nothing was tuned on.
 fn pose(number: usize) -> Pose {
     let part = |n: usize, step: f64| (0.37 + step * (3 * number + n) as f64).fract();
@@ -45,7 +48,7 @@ fn errors(measured: &Measured, [volume, area, mean]: [f64; 3]) -> ([f64; 3], [f6
 
 /// Mean over poses of what is off V, A and M, and of its square; and that A and M lie within 2.5 standard errors in
 /// each pose.
-fn of_poses(name: &str, shape: &dyn Fn() -> Box<dyn Shape>) -> [[f64; 2]; 3] {
+fn of_poses(name: &str, shape: Maker) -> [[f64; 2]; 3] {
     const POSES: usize = 6;
     let mut sums = [[0.0; 2]; 3];
     for number in 0..POSES {
@@ -73,7 +76,7 @@ fn of_poses(name: &str, shape: &dyn Fn() -> Box<dyn Shape>) -> [[f64; 2]; 3] {
 #[test]
 fn thin_shapes_are_measured() {
     let capsule = |radius| move || -> Box<dyn Shape> { Box::new(Capsule { radius, length: 24.0 }) };
-    let cases: [(&str, &dyn Fn() -> Box<dyn Shape>, [f64; 3]); 8] = [
+    let cases: [(&str, Maker, [f64; 3]); 8] = [
         ("tube 1.5", &capsule(1.5), [4.0, 6.0, 8.0]),
         ("tube 2", &capsule(2.0), [2.0, 4.0, 5.0]),
         ("tube 2.5", &capsule(2.5), [2.0, 3.0, 4.0]),
@@ -154,6 +157,24 @@ fn detail_is_told_or_given_back() {
         assert_eq!(measured.topology.euler_characteristic_mesh, Some(2));
         let recovery = measured.recovery.unwrap();
         assert!(recovery.corrected > 0 && !recovery.noisy, "{recovery:?}");
+    }
+}
+
+/// Edges of a cube, which no blur gives back: A is off by less than the blur's, and by no more than its error says.
+#[test]
+fn edges_are_in_the_errors() {
+    for number in 0..3 {
+        let turned = pose(number);
+        let grid = Grid::axis_aligned([56; 3], [1.0; 3]).unwrap();
+        let mask = Mask::from_predicate(grid, |index| {
+            turned.to_shape(index.map(|v| v as f64 - 27.5)).iter().all(|v| v.abs() < 12.5)
+        });
+        let truth = [25f64.powi(3), 6.0 * 625.0, 75.0 * PI];
+        let (blurred, _) = errors(&Measurement::default().run(&mask).unwrap(), truth);
+        let (off, shares) = errors(&at_defaults(&mask), truth);
+        println!("cube: blur {blurred:+.2?} %, at defaults {off:+.2?} %, {shares:+.2?} s.e.");
+        assert!(off[1].abs() < 0.6 * blurred[1].abs(), "{off:?} {blurred:?}");
+        assert!(shares.iter().all(|share| share.abs() < 2.5), "{shares:?}");
     }
 }
 

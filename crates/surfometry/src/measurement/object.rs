@@ -279,7 +279,9 @@ impl Object {
         let sums = self.sums(true);
         let integrated = self.preparation + sums.times.share_of_integrals(start.elapsed());
         let recovered = match &self.content {
-            Content::Corrected(_, recovered) => Some(recovered.with_surface(&self.surface())),
+            Content::Corrected(_, recovered) => {
+                Some(recovered.with_surface(&self.surface(), self.grid().spacing()))
+            }
             _ => None,
         };
         let totals = Totals { sums, open: self.open(), integrated, recovered, ..*counted };
