@@ -50,6 +50,8 @@ pub struct Integrals {
     /// Area whose normal lies within a degree of the grid's x, y and z axis, mm^2: flat faces along the
     /// voxels, as where an image cuts an object.
     pub faces: [f64; 3],
+    /// Area whose normal lies 1 to 13 degrees off an axis of the grid, mm^2: where the voxels' terraces are wide.
+    pub tilted: f64,
     /// Voxels with phi < 0.
     pub inside_voxels: u64,
     /// Voxels that the delta weighs.
@@ -72,6 +74,7 @@ impl Integrals {
             volume: whole.volume() * spacing.cell_volume(),
             surface: whole.surface(spacing.cell_volume()),
             faces: whole.faces(spacing.cell_volume()),
+            tilted: whole.tilted(spacing.cell_volume()),
             inside_voxels: whole.inside_voxels,
             band_voxels: whole.band_voxels,
             voxels_without_normal: whole.voxels_without_normal,

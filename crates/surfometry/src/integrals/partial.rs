@@ -100,6 +100,7 @@ pub struct Partial {
     volume: ExactSum,
     surface: SurfaceSums,
     faces: [ExactSum; 3],
+    tilted: ExactSum,
     /// Voxels with phi < 0.
     pub inside_voxels: u64,
     /// Voxels that the delta weighs.
@@ -176,6 +177,7 @@ impl Partial {
                 for (face, lanes) in partial.faces.iter_mut().zip(&sums.faces) {
                     face.add(lanes.iter().sum());
                 }
+                partial.tilted.add(sums.tilted.iter().sum());
                 partial.band_voxels = sums.voxels;
                 partial.voxels_without_normal = sums.without_normal;
                 partial.narrow = sums.narrow;
@@ -215,6 +217,7 @@ impl Partial {
         self.volume.merge(&other.volume);
         self.surface.merge(&other.surface);
         self.faces.iter_mut().zip(&other.faces).for_each(|(face, more)| face.merge(more));
+        self.tilted.merge(&other.tilted);
         self.inside_voxels += other.inside_voxels;
         self.band_voxels += other.band_voxels;
         self.voxels_without_normal += other.voxels_without_normal;
@@ -232,6 +235,11 @@ impl Partial {
         self.faces.each_ref().map(|face| face.value() * cell_volume)
     }
 
+    /// Area of the surface near the slices across an axis, but not along them, for voxels of the given volume.
+    pub fn tilted(&self, cell_volume: f64) -> f64 {
+        self.tilted.value() * cell_volume
+    }
+
     /// Surface integrals for voxels of the given volume.
     pub fn surface(&self, cell_volume: f64) -> SurfaceIntegrals {
         self.surface.value().map(|sum| sum * cell_volume)
@@ -245,6 +253,8 @@ fn count_below<T: Precision>(row: &[T], bound: T) -> u32 {
 
 /// Cosine of one degree.
 const ALONG_AXIS: f64 = 0.999_847_7;
+/// Cosine of 13 degrees: beyond it, a blur of two voxels leaves nothing of a flat face's terraces.
+const NEAR_AXIS: f64 = 0.974_37;
 
 /// Sums over the band of one tile.
 #[derive(Default)]
@@ -254,6 +264,8 @@ struct BandSums {
     surface: LaneSums,
     /// Area whose normal is an axis of the grid, within a degree.
     faces: [Lanes; 3],
+    /// Area whose normal is nearly one.
+    tilted: Lanes,
     voxels: u64,
     without_normal: u64,
     narrow: [NarrowVoxels; 2],
@@ -315,6 +327,9 @@ impl BandSums {
                 let along = jet.gradient[axis].abs() >= along_axis;
                 self.faces[axis][lane] += if along { areas[lane] } else { 0.0 };
             }
+            let most = jet.gradient.iter().fold(0.0, |most: f64, slope| most.max(slope.abs()));
+            let tilted = (most < along_axis) & (most > NEAR_AXIS * gradient);
+            self.tilted[lane] += if tilted { areas[lane] } else { 0.0 };
             without[lane] = if stands { 0.0 } else { 1.0 };
             curvatures[lane] = Curvature {
                 mean_curvature: if stands { curvature.mean_curvature } else { 0.0 },

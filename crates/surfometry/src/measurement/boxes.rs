@@ -16,7 +16,7 @@ use thiserror::Error;
 /// What the text in front of a value is, whatever form it is of.
 const SCHEMA_NAME: &str = "surfometry-partial/";
 /// The form that is written and read.
-const SCHEMA: &str = "surfometry-partial/1";
+const SCHEMA: &str = "surfometry-partial/2";
 
 /// What some boxes of an image add to the measurement of its objects: a value that can be written, sent,
 /// read, and merged with those of the other boxes in any order.
