@@ -328,7 +328,7 @@ impl BandSums {
                 self.faces[axis][lane] += if along { areas[lane] } else { 0.0 };
             }
             let most = jet.gradient.iter().fold(0.0, |most: f64, slope| most.max(slope.abs()));
-            let tilted = (most < along_axis) & (most > NEAR_AXIS * gradient);
+            let tilted = (NEAR_AXIS * gradient..along_axis).contains(&most);
             self.tilted[lane] += if tilted { areas[lane] } else { 0.0 };
             without[lane] = if stands { 0.0 } else { 1.0 };
             curvatures[lane] = Curvature {

@@ -95,6 +95,8 @@ pub struct WeakestGradient {
 /// also the levels of the band, whose voxels have their turn one after the other.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Looked {
+    /// What runs over files ask for.
+    #[cfg_attr(not(feature = "io"), allow(dead_code))]
     Blur,
     BlurAndBand,
 }

@@ -24,6 +24,7 @@ mod warnings;
 
 pub use boxes::{BoxShare, DecodeError, MergeError, PartialMeasurement};
 pub use clip::{Clip, ClipSummary};
+#[cfg(feature = "io")]
 pub(crate) use explanation::Looked;
 pub use explanation::{ChangeStage, LocatedChange, TopologyExplanation, UNEXPLAINED, WeakestGradient};
 pub use local_curvature::CurvatureScale;
