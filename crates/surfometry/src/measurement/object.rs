@@ -250,7 +250,12 @@ impl Object {
     pub fn measure_at(&self, sigmas: &[f64]) -> Vec<Measured> {
         let counted = self.counted();
         let measured = |&sigma: &f64| {
-            let measurement = self.setup.measurement.sigma_mm(sigma);
+            // How an object depends on the blur is seen without what undoes that.
+            let measurement = match self.setup.measurement.embedding {
+                EmbeddingKind::Recovering => self.setup.measurement.embedding(EmbeddingKind::Gaussian),
+                _ => self.setup.measurement,
+            };
+            let measurement = measurement.sigma_mm(sigma);
             let object = match &self.content {
                 Content::Probability(image) => measurement.prepare_probability(image),
                 _ => measurement.prepare(&self.mask),

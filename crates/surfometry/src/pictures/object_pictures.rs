@@ -118,6 +118,9 @@ const OUTER_BINS: &str = "The outer bins hold all that lies beyond.";
 fn caption(object: &Object, remark: &str) -> String {
     let parameters = object.parameters();
     let how = match (parameters.sigma_mm, parameters.level) {
+        (Some(sigma), _) if parameters.embedding == EmbeddingKind::Recovering => {
+            format!("Recovering embedding, sigma {} mm: the original surface", significant(sigma, 4))
+        }
         (Some(sigma), _) if parameters.embedding == EmbeddingKind::Corrected => {
             format!("Corrected embedding, sigma {} mm: the original surface", significant(sigma, 4))
         }

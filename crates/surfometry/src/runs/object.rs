@@ -43,6 +43,8 @@ pub struct InputObject {
     /// The same in the embedding that its surface is mapped in, where that is another one.
     pub(super) local: Option<Object>,
     pub(super) surface: OnceLock<Surface>,
+    /// Its numbers, where they had to be known to choose the embedding.
+    pub(super) measured: Option<Measured>,
     pub(super) truth: Option<Truth>,
 }
 
@@ -85,6 +87,17 @@ impl InputObject {
         }
     }
 
+    /// The same in the embedding in which it is to be measured and shown: the one that gives it back where the blur loses
+    /// detail.
+    pub(super) fn settled(mut self) -> Self {
+        if self.facts.recovering.is_some() {
+            let measured = self.object.measure();
+            let (object, measured) = self.recovered(&measured).unwrap_or((self.object, measured));
+            (self.object, self.measured) = (object, Some(measured));
+        }
+        self
+    }
+
     /// It and its numbers in the embedding that gives it back, where those are better. An object that cannot be
     /// had so has the blur's.
     fn recovered(&self, measured: &Measured) -> Option<(Object, Measured)> {
@@ -94,14 +107,9 @@ impl InputObject {
 
     /// Measures it.
     pub fn record(&self) -> Record {
-        let mut measured = self.object.measure();
-        let recovered = self.recovered(&measured);
-        let object = recovered.as_ref().map_or(&self.object, |(object, _)| object);
-        if let Some((_, found)) = &recovered {
-            measured = found.clone();
-        }
+        let mut measured = self.measured.clone().unwrap_or_else(|| self.object.measure());
         if let Some(looked) = what_is_explained(&mut measured, self.facts.explain) {
-            explain_topology(object, &mut measured, looked);
+            explain_topology(&self.object, &mut measured, looked);
         }
         measured.flags.splice(0..0, self.facts.flags.iter().cloned());
         Record {

@@ -81,7 +81,10 @@ impl<'a> Reading<'a> {
         };
         (0..count).flat_map(move |number| match tell(number) {
             Err(error) => vec![Err(error)],
-            Ok(()) => self.objects_at(number, plan),
+            Ok(()) => {
+                let objects = self.objects_at(number, plan).into_iter();
+                objects.map(|object| object.map(InputObject::settled)).collect()
+            }
         })
     }
 
@@ -164,6 +167,7 @@ impl<'a> Reading<'a> {
             object: object.under(self.control),
             local: None,
             surface: OnceLock::new(),
+            measured: None,
             truth: None,
         }
     }
