@@ -244,5 +244,7 @@ fn objects_in_the_middle_of_the_grid_have_larger_errors() {
     for measured in [middle, elsewhere] {
         let off = measured.volume_mm3.unwrap() - truth;
         assert!(off.abs() < 2.5 * error(&measured), "{off} {}", error(&measured));
+        let (_, shares) = errors(&measured, [truth, 4.0 * PI * 144.0, 4.0 * PI * 12.0]);
+        assert!(shares.iter().all(|share| share.abs() < 2.5), "{shares:?}");
     }
 }

@@ -153,10 +153,17 @@ impl Setup {
         euler: Option<i64>,
     ) -> [SurfaceValues; 2] {
         let modelled = blurred.and_then(|blurred| Some((self.error_model(&blurred)?, blurred)));
+        // Copies of one part are all off in the same direction.
+        let copies = f64::from(totals.voxels.symmetry(self.grid.spacing()));
         let compensated_errors = modelled.filter(|_| terms.is_some()).map(|(model, blurred)| {
             let (detail, spacing) = (&totals.sums.detail, self.grid.spacing());
             let lost = [detail.area(spacing), detail.total_mean_curvature(spacing)];
-            model.compensated(&blurred).with(lost[0], lost[1], &blurred.surface)
+            // A shell that is thicker by d than it should be has 2 d / R more area and d / R^2 more M.
+            let surface = &blurred.surface;
+            let curvature = (surface.larger_squared / surface.area).sqrt();
+            let more = model.grid_noise(&blurred).volume * (copies - 1.0).sqrt();
+            let errors = model.compensated(&blurred).with(lost[0], lost[1], surface);
+            errors.with(2.0 * curvature * more, curvature * curvature * more, surface)
         });
         let mut errors = compensated_errors.as_ref().map(SurfaceValues::of_errors).unwrap_or_default();
         let mut values = compensated(blurred, terms);
@@ -167,8 +174,6 @@ impl Setup {
         {
             (values, errors) = (recovered, recovered_errors);
         }
-        // Copies of one part are all off in the same direction.
-        let copies = f64::from(totals.voxels.symmetry(self.grid.spacing()));
         // Straight thin parts lie in the lattice as a whole.
         let thin = totals.recovered.map_or(1.0, |recovered| recovered.summary.thinness());
         let counted_error =

@@ -79,12 +79,12 @@ impl<'a> Reading<'a> {
             self.control.tell(&Event::Object { input, number: number + 1, of: count });
             self.control.check().map_err(RunError::from)
         };
-        (0..count).flat_map(move |number| match tell(number) {
-            Err(error) => vec![Err(error)],
-            Ok(()) => {
-                let objects = self.objects_at(number, plan).into_iter();
-                objects.map(|object| object.map(InputObject::settled)).collect()
+        (0..count).flat_map(move |number| {
+            if let Err(error) = tell(number) {
+                return vec![Err(error)];
             }
+            let objects = self.objects_at(number, plan).into_iter();
+            objects.map(|object| object.map(InputObject::settled)).collect()
         })
     }
 
