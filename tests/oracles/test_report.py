@@ -110,7 +110,7 @@ def check_record(page, record):
     keys = ["volume_mm3", "surface_area_mm2", "total_mean_curvature_mm", "average_mean_curvature_per_mm"]
     rows, topology = table(page), record["topology"]
     expected = {"blurred": record["blurred"], "original": record, "mesh of the blurred": record["mesh"]}
-    if "truth" in record:
+    if record["truth"]:
         expected["exact"] = record["truth"]
     for name, values in expected.items():
         for cell, key in zip(rows[name], keys):

@@ -25,6 +25,10 @@ use voxel_list::VoxelList;
 /// recovery of noise ten; what is left after these is counted.
 const ROUNDS: usize = 24;
 
+/// Most voxels that are solved for: pairs within the kernel's reach are held, some ten kilobytes a voxel where all hang
+/// together. Of an object with more, as white noise, nothing is corrected, and all is counted as refused and left.
+const MOST_LISTED: usize = 100_000;
+
 /// What every listed voxel's |phi| should have at least, so that its sign does not hang on rounding: less
 /// than a thousandth of a voxel.
 const CLEARANCE: f64 = 2e-4;
@@ -125,6 +129,9 @@ impl Recovery {
             noisy: evidence.noisy,
             ..Corrections::default()
         };
+        if listed.len() > MOST_LISTED {
+            listed.clear();
+        }
         found.refused = found.violated - listed.len() as u64;
         let mut before = usize::MAX / 10;
         while found.rounds < ROUNDS && !listed.is_empty() {
