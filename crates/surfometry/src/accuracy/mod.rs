@@ -21,4 +21,5 @@ pub use scale::{
 };
 pub use soft_edges::SoftEdges;
 pub use terraces::Terraces;
+pub(crate) use uncertainty::of_average;
 pub use uncertainty::{ErrorModel, IntegralErrors};

@@ -31,7 +31,7 @@ impl IntegralErrors {
     pub fn with(self, area: f64, total_mean_curvature: f64, surface: &SurfaceIntegrals) -> Self {
         let area = libm::hypot(self.area, area);
         let total_mean_curvature = libm::hypot(self.total_mean_curvature, total_mean_curvature);
-        let average_mean_curvature = of_average(surface, area, total_mean_curvature);
+        let average_mean_curvature = surface.error_of_average(area, total_mean_curvature);
         Self { area, total_mean_curvature, average_mean_curvature, ..self }
     }
 }
@@ -129,7 +129,7 @@ impl ErrorModel {
             rough_mean * surface.total_mean_curvature.abs().max(least_mean),
         );
         let gaussian = 2.0 * PI * EULER_NOISE * ratio * balls.sqrt();
-        let average = of_average(surface, area, mean);
+        let average = surface.error_of_average(area, mean);
         let bits = IntegralErrors {
             volume,
             area,
@@ -145,9 +145,18 @@ impl ErrorModel {
         let flat_volume = face_steps.iter().map(|step| step * step).sum::<f64>().sqrt();
         let shares = occupancies.of(surface, least_mean, [flat_volume, excess.sqrt()], &bits);
         IntegralErrors {
-            average_mean_curvature: of_average(surface, shares.area, shares.total_mean_curvature),
+            average_mean_curvature: surface.error_of_average(shares.area, shares.total_mean_curvature),
             ..shares
         }
+    }
+
+    /// Errors of an object that consists of so many copies of one part, which are all off in the same direction: a shell
+    /// that is thicker by d than it should be has 2 d / R more area and d / R^2 more M.
+    #[must_use]
+    pub fn of_copies(&self, copies: f64, errors: IntegralErrors, integrals: &Integrals) -> IntegralErrors {
+        let curvature = rms_curvature(&integrals.surface);
+        let more = self.grid_noise(integrals).volume * (copies - 1.0).sqrt();
+        errors.with(2.0 * curvature * more, curvature * curvature * more, &integrals.surface)
     }
 
     /// What wide terraces of flat faces a few degrees off the grid add to A. Taking terraces off on the mean over
@@ -188,9 +197,15 @@ impl ErrorModel {
             volume: libm::hypot(noise.volume, volume),
             area,
             total_mean_curvature: mean,
-            average_mean_curvature: of_average(surface, area, mean),
+            average_mean_curvature: surface.error_of_average(area, mean),
             ..noise
         }
+    }
+}
+
+impl SurfaceIntegrals {
+    fn error_of_average(&self, area_error: f64, mean_error: f64) -> f64 {
+        of_average([self.area, self.total_mean_curvature], [area_error, mean_error])
     }
 }
 
@@ -200,8 +215,8 @@ fn rms_curvature(surface: &SurfaceIntegrals) -> f64 {
 }
 
 /// Error of M / A, as if those of A and M were independent.
-fn of_average(surface: &SurfaceIntegrals, area: f64, mean: f64) -> f64 {
-    libm::hypot(mean / surface.area, area * surface.total_mean_curvature / (surface.area * surface.area))
+pub(crate) fn of_average([area, mean]: [f64; 2], [area_error, mean_error]: [f64; 2]) -> f64 {
+    libm::hypot(mean_error / area, area_error * mean / (area * area))
 }
 
 /// A face's area, from that of which the normal is an axis: the blur rounds a rim two sigma wide. A cap of a

@@ -108,14 +108,14 @@ impl Detail {
 /// Compares a field with the voxels that it was made of.
 #[derive(Clone, Copy)]
 pub(super) struct Watch<'a> {
-    pub(super) mask: &'a Mask,
+    mask: &'a Mask,
     /// The voxels that are compared.
-    pub(super) owned: IndexBox,
-    pub(super) spacing: Spacing,
+    owned: IndexBox,
+    spacing: Spacing,
     /// Of the blur that moved the surface by sigma^2 H, mm.
-    pub(super) shift_sigma: f64,
+    shift_sigma: f64,
     /// |phi| beyond which there is no band.
-    pub(super) half_width: f64,
+    half_width: f64,
 }
 
 impl Watch<'_> {

@@ -158,12 +158,8 @@ impl Setup {
         let compensated_errors = modelled.filter(|_| terms.is_some()).map(|(model, blurred)| {
             let (detail, spacing) = (&totals.sums.detail, self.grid.spacing());
             let lost = [detail.area(spacing), detail.total_mean_curvature(spacing)];
-            // A shell that is thicker by d than it should be has 2 d / R more area and d / R^2 more M.
-            let surface = &blurred.surface;
-            let curvature = (surface.larger_squared / surface.area).sqrt();
-            let more = model.grid_noise(&blurred).volume * (copies - 1.0).sqrt();
-            let errors = model.compensated(&blurred).with(lost[0], lost[1], surface);
-            errors.with(2.0 * curvature * more, curvature * curvature * more, surface)
+            let errors = model.compensated(&blurred).with(lost[0], lost[1], &blurred.surface);
+            model.of_copies(copies, errors, &blurred)
         });
         let mut errors = compensated_errors.as_ref().map(SurfaceValues::of_errors).unwrap_or_default();
         let mut values = compensated(blurred, terms);

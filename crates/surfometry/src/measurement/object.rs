@@ -205,6 +205,13 @@ impl Object {
         scheme.surface(self.grid(), &self.setup.band, &kind, self.region(), &self.setup.control)
     }
 
+    /// The same with curvature alone at its vertices, neither shifts nor standard errors.
+    fn bare_surface(&self) -> Surface {
+        let Some(scheme) = self.scheme() else { return Surface::default() };
+        let Setup { band, control, .. } = &self.setup;
+        scheme.surface(self.grid(), band, &VertexExtras::None, self.region(), control)
+    }
+
     /// The scheme, and |phi| at 0.6 voxels from a flat surface.
     pub(super) fn beside_surface(&self) -> Option<(Scheme<'_>, f64)> {
         let slope = self.setup.parameters.profile()?.slope(0.0).abs();
@@ -285,7 +292,7 @@ impl Object {
         let integrated = self.preparation + sums.times.share_of_integrals(start.elapsed());
         let recovered = match &self.content {
             Content::Corrected(_, recovered) => {
-                Some(recovered.with_surface(&self.surface(), self.grid().spacing()))
+                Some(recovered.with_surface(&self.bare_surface(), self.grid().spacing()))
             }
             _ => None,
         };

@@ -2,7 +2,7 @@
 
 use super::SurfaceValues;
 use super::setup::Setup;
-use crate::accuracy::{Flag, FlagCode};
+use crate::accuracy::{Flag, FlagCode, of_average};
 use crate::embedding::{CorrectedMask, Corrections, Price, Recovery};
 use crate::surface::Surface;
 use crate::volume::{Mask, Spacing};
@@ -146,7 +146,7 @@ impl Recovered {
         let edges = mesh.sharp_area * (1.0 - mesh.sharp_area / mesh.area);
         let area_error = libm::hypot(area_error, OF_EDGES * edges);
         let mean_error = libm::hypot(mean_share * mesh.absolute_mean_curvature, OF_SHIFT * of_mean);
-        let average_error = libm::hypot(mean_error / area, area_error * mean / (area * area));
+        let average_error = of_average([area, mean], [area_error, mean_error]);
         let of = |area, mean, average| SurfaceValues {
             surface_area_mm2: Some(area),
             total_mean_curvature_mm: Some(mean),

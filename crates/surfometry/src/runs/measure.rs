@@ -1,12 +1,12 @@
 //! Objects to records.
 
 use super::ExplainTopology;
-use super::object::{explain_topology, looked_at, what_is_explained};
+use super::object::{looked_at, what_is_explained};
 use super::reading::{FileStamps, Watched, name_of};
-use super::recovery::{is_doubtful, recovered, recovering};
-use super::{Item, Opened, Plan, Reading, Record, RunError, Task};
+use super::recovery::{is_doubtful, recovering};
+use super::{InputObject, Item, Opened, Plan, Reading, Record, RunError, Task};
 use crate::inputs::open;
-use crate::measurement::{Measured, Object, StageSeconds};
+use crate::measurement::{Measured, StageSeconds};
 use crate::volume::LabelGroup;
 use crate::{Control, Event};
 use rayon::prelude::*;
@@ -121,10 +121,14 @@ impl MeasureTask {
     /// Where the blur loses detail, or voxels and mesh disagree, the input is read again: to measure the object in the
     /// embedding that gives it back, and to see why.
     fn explain(&self, input: &Opened, results: &mut [(LabelGroup, Measured)]) -> Result<(), RunError> {
-        let again = recovering(&self.plan);
+        let recovers = recovering(&self.plan).is_some();
+        let explain = self.plan.explain_topology;
         let is_looked_at = |measured: &mut Measured| {
-            let looked = what_is_explained(measured, self.plan.explain_topology);
-            looked.is_some() || (again.is_some() && is_doubtful(measured))
+            let wanted = looked_at(measured, explain).is_some() || recovers && is_doubtful(measured);
+            if !wanted {
+                what_is_explained(measured, explain);
+            }
+            wanted
         };
         let wanted: Vec<bool> = results.iter_mut().map(|(_, measured)| is_looked_at(measured)).collect();
         if !wanted.contains(&true) {
@@ -136,33 +140,13 @@ impl MeasureTask {
         let numbered = results.par_iter_mut().enumerate().filter(|(number, _)| wanted[*number]);
         numbered.try_for_each(|(number, (_, measured))| {
             for object in reading.objects_at(number, &self.plan) {
-                self.look_again(&object?.object, measured, input.control)?;
+                let known = InputObject { measured: Some(measured.clone()), ..object? };
+                *measured = known.settled()?.explained();
             }
             input.control.check().map_err(RunError::from)
         })?;
         if let Some(first) = wanted.iter().position(|&wanted| wanted) {
             results[first].1.timings.read_again = read_again;
-        }
-        Ok(())
-    }
-
-    /// Measures an object in the embedding that gives it back, if that is better, and says where its topology changes.
-    fn look_again(
-        &self,
-        object: &Object,
-        measured: &mut Measured,
-        control: &Control,
-    ) -> Result<(), RunError> {
-        let again = recovering(&self.plan).filter(|_| is_doubtful(measured));
-        let better = again.map(|choices| recovered(&choices, object, measured, control));
-        let better = better.transpose()?.flatten();
-        if let Some((_, found)) = &better {
-            measured.clone_from(found);
-            what_is_explained(measured, self.plan.explain_topology);
-        }
-        let object = better.as_ref().map_or(object, |(object, _)| object);
-        if let Some(looked) = looked_at(measured, self.plan.explain_topology) {
-            explain_topology(object, measured, looked);
         }
         Ok(())
     }

@@ -1,7 +1,7 @@
 //! One object of an input, ready for whatever is asked of it.
 
 use super::recovery::{is_doubtful, recovered, recovering};
-use super::{ExplainTopology, Failure, Plan, Record};
+use super::{ExplainTopology, Failure, Plan, Record, RunError};
 use crate::accuracy::Flag;
 use crate::inputs::input_title;
 use crate::measurement::{Looked, Measured, Object};
@@ -89,28 +89,30 @@ impl InputObject {
 
     /// The same in the embedding in which it is to be measured and shown: the one that gives it back where the blur loses
     /// detail.
-    pub(super) fn settled(mut self) -> Self {
-        if self.facts.recovering.is_some() {
-            let measured = self.object.measure();
-            let (object, measured) = self.recovered(&measured).unwrap_or((self.object, measured));
-            (self.object, self.measured) = (object, Some(measured));
-        }
-        self
+    pub(super) fn settled(mut self) -> Result<Self, RunError> {
+        let Some(choices) = &self.facts.recovering else { return Ok(self) };
+        let measured = self.measured.take().unwrap_or_else(|| self.object.measure());
+        let better = if is_doubtful(&measured) {
+            recovered(choices, &self.object, &measured, &self.facts.control)?
+        } else {
+            None
+        };
+        let (object, measured) = better.unwrap_or((self.object, measured));
+        Ok(Self { object, measured: Some(measured), ..self })
     }
 
-    /// It and its numbers in the embedding that gives it back, where those are better. An object that cannot be
-    /// had so has the blur's.
-    fn recovered(&self, measured: &Measured) -> Option<(Object, Measured)> {
-        let choices = self.facts.recovering.as_ref().filter(|_| is_doubtful(measured))?;
-        recovered(choices, &self.object, measured, &self.facts.control).ok().flatten()
-    }
-
-    /// Measures it.
-    pub fn record(&self) -> Record {
+    /// Its numbers, and where its topology changes, as far as that is asked.
+    pub(super) fn explained(&self) -> Measured {
         let mut measured = self.measured.clone().unwrap_or_else(|| self.object.measure());
         if let Some(looked) = what_is_explained(&mut measured, self.facts.explain) {
             explain_topology(&self.object, &mut measured, looked);
         }
+        measured
+    }
+
+    /// Measures it.
+    pub fn record(&self) -> Record {
+        let mut measured = self.explained();
         measured.flags.splice(0..0, self.facts.flags.iter().cloned());
         Record {
             input: self.facts.input.clone(),
@@ -135,13 +137,16 @@ fn most_explained(measured: &Measured) -> usize {
     ((band / 8.0) as usize).clamp(1 << 14, 1 << 22)
 }
 
+/// Whether there are places at which an object's topology changes: the voxels' topology is that of the whole object, not
+/// of the part between the cuts.
+fn can_be_explained(measured: &Measured) -> bool {
+    measured.clip.is_none() && measured.parameters.embedding.is_blur()
+}
+
 /// What is looked at where an object's topology changes. `None` where nothing is.
 pub(super) fn looked_at(measured: &Measured, when: ExplainTopology) -> Option<Looked> {
-    // The voxels' topology is that of the whole object, not of the part between the cuts.
-    if measured.clip.is_some() || !measured.parameters.embedding.is_blur() {
-        return None;
-    }
     match when {
+        _ if !can_be_explained(measured) => None,
         ExplainTopology::Disagreements if measured.blur_changed_topology() => Some(Looked::Blur),
         ExplainTopology::Never | ExplainTopology::Disagreements => None,
         ExplainTopology::Always => Some(Looked::BlurAndBand),
@@ -151,8 +156,7 @@ pub(super) fn looked_at(measured: &Measured, when: ExplainTopology) -> Option<Lo
 /// The same; where something is left that could be, the flags say so.
 pub(super) fn what_is_explained(measured: &mut Measured, when: ExplainTopology) -> Option<Looked> {
     let looked = looked_at(measured, when);
-    let could = measured.clip.is_none() && measured.parameters.embedding.is_blur();
-    if looked.is_none() && could && when == ExplainTopology::Disagreements {
+    if looked.is_none() && can_be_explained(measured) && when == ExplainTopology::Disagreements {
         measured.leave_unexplained();
     }
     looked

@@ -84,7 +84,7 @@ impl<'a> Reading<'a> {
                 return vec![Err(error)];
             }
             let objects = self.objects_at(number, plan).into_iter();
-            objects.map(|object| object.map(InputObject::settled)).collect()
+            objects.map(|object| object?.settled()).collect()
         })
     }
 

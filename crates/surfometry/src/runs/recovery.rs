@@ -33,9 +33,9 @@ const MOST_FACES: f64 = 65_536.0;
 pub(super) fn is_doubtful(measured: &Measured) -> bool {
     let spacing = measured.grid.spacing_mm;
     let face = spacing.iter().product::<f64>().cbrt().powi(2);
-    let area = measured.blurred.surface_area_mm2.unwrap_or_default();
     // Of an object that the blur left nothing of, no more than its voxels are known.
-    let faces = (area / face).max(2.0 * measured.voxels.count as f64 * f64::from(u8::from(area == 0.0)));
+    let unknown = 2.0 * measured.voxels.count as f64;
+    let faces = measured.blurred.surface_area_mm2.map_or(unknown, |area| area / face);
     let feasible = measured.voxels.count >= LEAST_VOXELS && faces <= MOST_FACES;
     feasible && measured.flags.iter().any(|flag| DOUBTS.contains(&flag.code))
 }
