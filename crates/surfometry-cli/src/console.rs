@@ -5,6 +5,7 @@ use crate::output::say;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::IsTerminal;
 use std::sync::Mutex;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 use surfometry::{Control, Event};
 
@@ -20,6 +21,8 @@ pub(crate) struct Voice {
 /// How long a run may take to stop after Ctrl-C before it is ended where it is: what was finished is written
 /// by then.
 const PATIENCE: Duration = Duration::from_millis(150);
+/// Whether a run that was stopped is writing what it found: that is waited for. Another Ctrl-C ends it too.
+static WRITING: AtomicBool = AtomicBool::new(false);
 /// Exit status of a run that Ctrl-C ended, as shells have it.
 pub(crate) const INTERRUPTED: u8 = 130;
 
@@ -37,11 +40,18 @@ pub(crate) fn control(steps: usize, voice: Voice) -> Control {
         stopped.stop();
         std::thread::spawn(|| {
             std::thread::sleep(PATIENCE);
-            say(STOPPED);
-            std::process::exit(i32::from(INTERRUPTED));
+            if !WRITING.load(Ordering::SeqCst) {
+                say(STOPPED);
+                std::process::exit(i32::from(INTERRUPTED));
+            }
         });
     });
     control
+}
+
+/// Says that the run is over, and that what it found is being written.
+pub(crate) fn writing() {
+    WRITING.store(true, Ordering::SeqCst);
 }
 
 /// What is said of a run that Ctrl-C ended.

@@ -66,7 +66,13 @@ fn main() -> ExitCode {
         Ok(status) => status.into(),
         Err(error) => {
             output::say(&format!("{error:#}"));
-            commands::WRONG_COMMAND.into()
+            status_of(&error).into()
         }
     }
+}
+
+/// The exit status of a command that ended with an error. What could not be written at the end was no fault of
+/// the command, which has been refused by then if it was wrong.
+fn status_of(error: &anyhow::Error) -> u8 {
+    if error.is::<std::io::Error>() { commands::SOME_FAILED } else { commands::WRONG_COMMAND }
 }

@@ -135,7 +135,7 @@ fn local_curvature_converges() {
     let errors: Vec<f64> = results
         .iter()
         .filter_map(|c| c.standardised)
-        .flat_map(|e| [e.volume, e.surface_area, e.total_mean_curvature])
+        .flat_map(|e| [e.volume, e.area, e.total_mean_curvature])
         .collect();
     let covered = errors.iter().filter(|z| z.abs() <= 1.96).count() as f64 / errors.len() as f64;
     let volumes = rms(results.iter().filter_map(|c| c.standardised).map(|e| e.volume));

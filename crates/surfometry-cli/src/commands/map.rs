@@ -4,13 +4,13 @@ use crate::console::{Voice, control};
 use crate::cures::cure;
 use crate::inputs::expand;
 use crate::options::{CurvatureOptions, MeasureOptions};
-use crate::output::{check_output, deliver, flags_text, map_document, say, status};
+use crate::output::{MapSink, check_output, deliver, status};
 use crate::picture_options::{PictureOptions, distinct};
 use crate::values::one_of;
 use anyhow::{Result, bail};
 use std::path::{Path, PathBuf};
 use surfometry::measurement::VoxelQuantity;
-use surfometry::runs::{Batch, Collected, FileLedger, MapFile, MapStyle, MapTask, Plan, SurfaceRecord};
+use surfometry::runs::{Batch, FileLedger, MapFile, MapStyle, MapTask, Plan};
 
 /// Map curvature on the surface: meshes, voxel maps, pictures, distributions
 ///
@@ -52,24 +52,9 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
     let control = control(inputs.len(), Voice { quiet, memory: false });
     let batch = Batch { inputs: &inputs, open: plan.open, control: &control, cure };
     let ledger = FileLedger::new(&inputs);
-    let mut found = Collected::default();
-    let outcome = batch.run(&MapTask { plan, files, style, ledger }, &mut found)?;
-    if !quiet {
-        say_flags(&found.results);
-    }
-    let mut names: Vec<String> = found.results.iter().flat_map(|r| r.files.clone()).collect();
-    if !documents.is_empty() {
-        let text = map_document(&found)?;
-        for path in documents {
-            // Of a run that was stopped, what was finished.
-            let ending = if outcome.stopped { ".partial" } else { "" };
-            let path = PathBuf::from(format!("{}{ending}", path.display()));
-            deliver(&text, Some(&path))?;
-            names.push(path.display().to_string());
-        }
-    }
-    names.push(String::new());
-    deliver(&names.join("\n"), None)?;
+    let mut sink = MapSink::new(documents, quiet)?;
+    let outcome = batch.run(&MapTask { plan, files, style, ledger }, &mut sink)?;
+    deliver(&sink.finish(outcome)?, None)?;
     Ok(status(outcome))
 }
 
@@ -94,13 +79,4 @@ fn targets<'a>(paths: impl Iterator<Item = &'a PathBuf>, inputs: &[String]) -> R
 
 fn is_json(path: &Path) -> bool {
     path.extension().is_some_and(|e| e.eq_ignore_ascii_case("json"))
-}
-
-fn say_flags(records: &[SurfaceRecord]) {
-    for of_input in records.chunk_by(|a, b| a.record.input == b.record.input) {
-        let flags = flags_text(&of_input.iter().map(|r| &r.record).collect::<Vec<_>>());
-        if !flags.is_empty() {
-            say(&format!("{}\n{}", of_input[0].record.input, flags.trim_end()));
-        }
-    }
 }

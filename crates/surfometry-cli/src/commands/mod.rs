@@ -13,7 +13,7 @@ pub(crate) mod validate;
 
 /// Exit status: everything was done.
 pub(crate) const ALL_DONE: u8 = 0;
-/// Exit status: some inputs failed; they are listed.
+/// Exit status: some inputs failed, which are listed, or what was measured could not be written.
 pub(crate) const SOME_FAILED: u8 = 1;
-/// Exit status: the command itself was wrong, or its output could not be written.
+/// Exit status: the command itself was wrong, which is told before anything is measured.
 pub(crate) const WRONG_COMMAND: u8 = 2;

@@ -1,13 +1,13 @@
 //! `surfometry report`.
 
 use super::SOME_FAILED;
-use crate::console::{Voice, control};
+use crate::console::{Voice, control, writing};
 use crate::cures::cure;
 use crate::inputs::expand;
 use crate::options::{CurvatureOptions, MeasureOptions};
 use crate::output::{check_output, deliver, say, status};
 use anyhow::Result;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use surfometry::inputs::input_title;
 use surfometry::report::{Provenance, Report, ReportPart, ReportTask, render};
 use surfometry::runs::{Batch, Collected};
@@ -42,6 +42,7 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
     let batch = Batch { inputs: &inputs, open: plan.open, control: &control, cure };
     let mut parts = Collected::default();
     let outcome = batch.run(&ReportTask::new(plan), &mut parts)?;
+    writing();
     let (mut objects, mut sources) = (Vec::new(), Vec::new());
     for part in parts.results {
         match part {
@@ -49,13 +50,9 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
             ReportPart::Source(source) => sources.push(source),
         }
     }
-    if objects.is_empty() && !outcome.stopped {
+    if objects.is_empty() {
         say(&format!("{}: not written, for there is nothing to show", args.output.display()));
-        return Ok(SOME_FAILED);
-    }
-    if outcome.stopped {
-        say(&format!("{}: not written, for not all inputs are done", args.output.display()));
-        return Ok(status(outcome));
+        return Ok(if outcome.stopped { status(outcome) } else { SOME_FAILED });
     }
     let title = args.title.clone().unwrap_or_else(|| match inputs.as_slice() {
         [one] => input_title(one),
@@ -64,6 +61,10 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
     let command: Vec<String> = std::env::args().collect();
     let provenance = Provenance::new(command.join(" "), sources);
     let page = render(&Report { title, objects, failures: parts.failures, provenance })?;
-    deliver(&page, Some(&args.output))?;
+    // Of a run that was stopped, what was finished.
+    let ending = if outcome.stopped { ".partial" } else { "" };
+    let mut name = args.output.clone().into_os_string();
+    name.push(ending);
+    deliver(&page, Some(Path::new(&name)))?;
     Ok(status(outcome))
 }

@@ -83,6 +83,7 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
         }),
         ledger: FileLedger::new(&inputs),
     };
+    task.check()?;
     write_results(&args.results, sweep_tables(args.over), |sink| batch.run(&task, sink))
 }
 

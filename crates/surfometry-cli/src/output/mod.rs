@@ -2,6 +2,7 @@
 
 mod comparison_text;
 mod description_text;
+mod map_sink;
 mod results;
 mod sweep_table;
 mod table;
@@ -10,6 +11,7 @@ mod validation_table;
 
 pub(crate) use comparison_text::comparison_text;
 pub(crate) use description_text::description_text;
+pub(crate) use map_sink::MapSink;
 pub(crate) use results::{status, write_results};
 pub(crate) use sweep_table::sweep_tables;
 pub(crate) use table::{Layout, digits, flags_text, record_tables};
@@ -18,26 +20,14 @@ pub(crate) use validation_table::validation_table;
 
 use anyhow::{Context, Result, bail};
 use serde::Serialize;
-use serde_json::json;
 use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
 use surfometry::inputs::{OpenOptions, open};
 use surfometry::io::write_whole;
-use surfometry::runs::{Collected, MAP_SCHEMA, SurfaceRecord};
 
 /// A document as JSON, indented.
 pub(crate) fn json_text(document: &impl Serialize) -> Result<String> {
     Ok(serde_json::to_string_pretty(document)? + "\n")
-}
-
-/// The document of a map: results, and what failed.
-pub(crate) fn map_document(found: &Collected<SurfaceRecord>) -> Result<String> {
-    json_text(&json!({
-        "schema": MAP_SCHEMA,
-        "version": env!("CARGO_PKG_VERSION"),
-        "results": found.results,
-        "failures": found.failures,
-    }))
 }
 
 /// Says something on stderr. That it cannot be said, as on a full disk, is no reason to lose results.

@@ -4,7 +4,7 @@ use super::table_sink::{TableSink, TableStyle};
 use crate::console::{INTERRUPTED, STOPPED};
 use crate::options::{OutputFormat, OutputOptions};
 use crate::output::say;
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, anyhow};
 use std::io::{self, ErrorKind, IsTerminal};
 use surfometry::io::ResultOutput;
 use surfometry::runs::{CsvSink, JsonLinesSink, JsonSink, Outcome, Row, Sink};
@@ -17,7 +17,8 @@ pub(crate) fn write_results<R: Row>(
 ) -> Result<u8> {
     let out = match options.path() {
         Some(path) => {
-            ResultOutput::create(path).with_context(|| format!("{}: cannot be written", path.display()))?
+            // Not as an error of writing: nothing is measured yet.
+            ResultOutput::create(path).map_err(|e| anyhow!("{}: cannot be written: {e}", path.display()))?
         }
         None => ResultOutput::stdout(),
     };

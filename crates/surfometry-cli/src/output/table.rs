@@ -3,7 +3,8 @@
 use super::{Legend, TableStyle};
 use comfy_table::{CellAlignment, Table, presets};
 use std::fmt::Write;
-use surfometry::accuracy::{CompensatedIntegrals, CompensationTerms, Flag, FlagCode};
+use surfometry::accuracy::{CompensationTerms, Flag, FlagCode};
+use surfometry::integrals::Globals;
 use surfometry::measurement::{
     ChangeStage, DescribedSurface, EmbeddingKind, Measured, SurfaceValues, UNEXPLAINED,
 };
@@ -193,7 +194,7 @@ fn error_row(errors: &SurfaceValues) -> Vec<String> {
 /// What compensation adds to the blurred values, cause by cause.
 fn term_rows(terms: &CompensationTerms) -> Vec<Vec<String>> {
     let causes = [("blur's shift", terms.shift), ("band's width", terms.band), ("terraces", terms.terraces)];
-    let row = |(name, term): (&str, CompensatedIntegrals)| {
+    let row = |(name, term): (&str, Globals)| {
         vec![
             String::new(),
             name.to_owned(),

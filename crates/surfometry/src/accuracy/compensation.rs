@@ -1,30 +1,19 @@
 //! Results for the original object: the blur's and the band's leading effects taken off.
 
 use super::Terraces;
-use crate::integrals::Integrals;
-
-/// V, A and M of the object before the blur.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct CompensatedIntegrals {
-    /// mm^3.
-    pub volume: f64,
-    /// mm^2.
-    pub area: f64,
-    /// Integral of H, mm.
-    pub total_mean_curvature: f64,
-}
+use crate::integrals::{Globals, Integrals};
 
 /// What compensation adds, by cause.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CompensationTerms {
     /// For the surface's shift by the blur: sigma^2 (M + M_c) / 2, 2 sigma^2 int H^2, sigma^2 int H K.
-    pub shift: CompensatedIntegrals,
+    pub shift: Globals,
     /// For the band's averaging over parallel surfaces: minus its variance times M and times the integral of
     /// K.
-    pub band: CompensatedIntegrals,
+    pub band: Globals,
     /// For what the blur leaves of the voxels' terraces: minus 3/2 of their mean square slope times A and M,
     /// and how the band samples them.
-    pub terraces: CompensatedIntegrals,
+    pub terraces: Globals,
 }
 
 /// Undoes, to first order in sigma^2, what the blur did, to second order in t what the band did, and the
@@ -63,17 +52,17 @@ pub fn compensation_terms(
     let excess = terraces.map_or(0.0, |t| t.sampling_excess);
     let off_grid = (surface.area - plain.faces.iter().sum::<f64>()).max(0.0);
     CompensationTerms {
-        shift: CompensatedIntegrals {
+        shift: Globals {
             volume: square * 0.5 * (surface.total_mean_curvature + (surface.total_mean_curvature + mean)),
             area: 2.0 * square * surface.total_squared_mean_curvature,
             total_mean_curvature: mean,
         },
-        band: CompensatedIntegrals {
+        band: Globals {
             volume: -variance * surface.total_mean_curvature,
             area: -variance * surface.total_gaussian_curvature,
             total_mean_curvature: 0.0,
         },
-        terraces: CompensatedIntegrals {
+        terraces: Globals {
             volume: 0.0,
             area: -(slope + excess) * off_grid,
             total_mean_curvature: -slope * surface.total_mean_curvature,
@@ -83,14 +72,7 @@ pub fn compensation_terms(
 
 impl CompensationTerms {
     /// The object before the blur, from the integrals that the terms are of.
-    pub fn added_to(&self, plain: &Integrals) -> CompensatedIntegrals {
-        let sum = |plain: f64, term: fn(&CompensatedIntegrals) -> f64| {
-            plain + term(&self.shift) + term(&self.band) + term(&self.terraces)
-        };
-        CompensatedIntegrals {
-            volume: sum(plain.volume, |t| t.volume),
-            area: sum(plain.surface.area, |t| t.area),
-            total_mean_curvature: sum(plain.surface.total_mean_curvature, |t| t.total_mean_curvature),
-        }
+    pub fn added_to(&self, plain: &Integrals) -> Globals {
+        [self.shift, self.band, self.terraces].iter().fold(plain.globals(), |sum, term| sum.plus(term))
     }
 }

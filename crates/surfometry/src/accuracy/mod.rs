@@ -1,4 +1,11 @@
 //! Scale, compensation of the blur's shift, standard errors, and what a warning is.
+//!
+//! ```
+//! use surfometry::{accuracy::auto_sigma, volume::Spacing};
+//! // Two voxels, of the geometric mean of the spacings.
+//! assert_eq!(auto_sigma(Spacing::new([0.5, 0.5, 4.0])?), 2.0);
+//! # Ok::<(), surfometry::volume::VolumeError>(())
+//! ```
 
 mod compensation;
 mod curvature_scale;
@@ -10,7 +17,7 @@ mod soft_edges;
 mod terraces;
 mod uncertainty;
 
-pub use compensation::{CompensatedIntegrals, CompensationTerms, compensation_terms};
+pub use compensation::{CompensationTerms, compensation_terms};
 pub use curvature_scale::{PILOT_SPACINGS, auto_curvature_sigma, balanced_sigma, rms_spacing};
 pub use flags::{Flag, FlagCode};
 pub(crate) use flags::{decimals_for, place_text};

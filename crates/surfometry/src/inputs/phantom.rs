@@ -14,12 +14,7 @@ pub(super) struct PhantomSource {
 
 impl PhantomSource {
     pub(super) fn open(spec: &str, options: &OpenOptions) -> Result<Self, InputError> {
-        if options.spacing.is_some() {
-            return Err(InputError::Unfit(
-                "a phantom's spacing is part of its name: phantom:NAME?spacing=x,y,z",
-            ));
-        }
-        let phantom = Phantom::from_spec(spec)?;
+        let phantom = Phantom::from_spec_at(spec, options.spacing)?;
         let truth = phantom.truth();
         Ok(Self { phantom, truth })
     }

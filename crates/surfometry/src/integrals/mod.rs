@@ -1,11 +1,21 @@
 //! Smeared delta and Heaviside, and the sums over a band that stand for integrals over a surface.
+//!
+//! ```
+//! use surfometry::integrals::{SmearedDelta, Smearing};
+//! // Whatever its width, a smeared delta weighs 1 in all.
+//! let delta = SmearedDelta::new(Smearing::Sine, 0.4, 0.5);
+//! let sum: f64 = (-500..=500).map(|n| delta.delta(f64::from(n) * 1e-3) * 1e-3).sum();
+//! assert!((sum - 1.0).abs() < 1e-6);
+//! ```
 
 mod band;
+mod globals;
 mod partial;
 mod quadrature;
 mod smeared;
 
 pub use band::Band;
+pub use globals::Globals;
 pub use partial::{NarrowVoxels, Observer, Partial, SurfaceIntegrals};
 pub use quadrature::{Quadrature, QuadratureRule};
 pub use smeared::{SmearedDelta, Smearing};
@@ -63,6 +73,15 @@ pub struct Integrals {
 }
 
 impl Integrals {
+    /// V, A and M.
+    pub fn globals(&self) -> Globals {
+        Globals {
+            volume: self.volume,
+            area: self.surface.area,
+            total_mean_curvature: self.surface.total_mean_curvature,
+        }
+    }
+
     /// Whether any voxel with a normal lay in the band.
     pub fn has_surface(&self) -> bool {
         self.surface.area > 0.0

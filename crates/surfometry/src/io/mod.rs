@@ -1,5 +1,16 @@
 //! Image and mesh files: one file a format. An image format only reads its header; decoding and slabs are
 //! common to all.
+//!
+//! ```
+//! use surfometry::{io, phantoms::Phantom};
+//! let folder = tempfile::tempdir()?;
+//! let path = folder.path().join("ball.nii.gz");
+//! let image = Phantom::from_spec("ball?radius=6&spacing=1,1,2")?.labels()?;
+//! io::write_labels(&path, &image)?;
+//! let read = io::read_labels(&path)?;
+//! assert_eq!(read.mask(1).voxels(), image.mask(1).voxels());
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 mod encoding;
 mod error;

@@ -332,6 +332,9 @@ impl Measurement {
         if let Some(value) = self.level.filter(|level| !(*level > 0.0 && *level < 1.0)) {
             return Err(MeasureError::OutOfRange { name: "level", value, range: "between 0 and 1" });
         }
+        if self.embedding.is_blur() {
+            self.check_epsilon()?;
+        }
         let of_blur = matches!(self.derivatives, Some(Derivatives::Gaussian | Derivatives::Matched));
         let conflict = |text| Err(MeasureError::Conflict(text));
         match self.embedding {
@@ -358,6 +361,16 @@ impl Measurement {
                  embeddings are differentiated by finite differences",
             ),
             _ => Ok(()),
+        }
+    }
+
+    /// Refuses a band that no blur's field leaves, whatever sigma is.
+    fn check_epsilon(&self) -> Result<(), MeasureError> {
+        let level = self.level.unwrap_or(0.5);
+        let saturation = saturation_at(level);
+        match self.epsilon.filter(|&epsilon| epsilon >= saturation) {
+            Some(epsilon) => Err(MeasureError::BandTooWide { level, epsilon, saturation }),
+            None => Ok(()),
         }
     }
 }

@@ -2,9 +2,9 @@
 
 use super::RecoverySummary;
 use super::{ClipSummary, LocatedChange, Parameters};
-use crate::accuracy::{CompensatedIntegrals, CompensationTerms, Flag, IntegralErrors};
+use crate::accuracy::{CompensationTerms, Flag, IntegralErrors};
 use crate::choice::choices;
-use crate::integrals::Integrals;
+use crate::integrals::{Globals, Integrals};
 use crate::surface::SurfaceSummary;
 use crate::tiling::IndexBox;
 use crate::topology::VoxelTopology;
@@ -151,7 +151,7 @@ impl SurfaceValues {
     }
 
     /// Of the original object.
-    pub(super) fn compensated(c: &CompensatedIntegrals) -> Self {
+    pub(super) fn compensated(c: &Globals) -> Self {
         Self {
             volume_mm3: Some(c.volume),
             surface_area_mm2: Some(c.area),

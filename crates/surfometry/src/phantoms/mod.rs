@@ -3,6 +3,16 @@
 //! A [`Shape`] is an implicit function with analytic derivatives and known integrals; a [`Phantom`] is a
 //! shape in a pose, sampled on a grid ([`Phantom::labels`]). `phantom:NAME?key=value&...`
 //! ([`Phantom::from_spec`]) is its text form.
+//!
+//! ```
+//! use surfometry::phantoms::{Ellipsoid, Phantom, Pose};
+//! let pose = Pose::new([10.0, 20.0, 30.0], [0.3, 0.2, 0.1]);
+//! let phantom = Phantom::new(Ellipsoid { radii: [9.0, 7.0, 6.0] }, pose, [1.0, 1.0, 1.5])?;
+//! let truth = phantom.truth().expect("an ellipsoid's integrals converge");
+//! let counted = phantom.labels()?.mask(1).voxels() as f64 * 1.5;
+//! assert!((counted / truth.volume - 1.0).abs() < 0.01);
+//! # Ok::<(), surfometry::volume::VolumeError>(())
+//! ```
 
 mod bone;
 mod bone_part;

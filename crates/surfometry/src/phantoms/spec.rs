@@ -76,17 +76,25 @@ impl Phantom {
     /// # Errors
     /// [`ParsePhantomError`], which says what is accepted instead.
     pub fn from_spec(text: &str) -> Result<Self, ParsePhantomError> {
+        Self::from_spec_at(text, None)
+    }
+
+    /// The same on a lattice of another spacing than the spec's, mm.
+    ///
+    /// # Errors
+    /// As of [`Phantom::from_spec`].
+    pub fn from_spec_at(text: &str, spacing: Option<[f64; 3]>) -> Result<Self, ParsePhantomError> {
         let spec = text.strip_prefix("phantom:").unwrap_or(text);
         let (name, query) = spec.split_once('?').unwrap_or((spec, ""));
         let mut values = Values::parse(name, query)?;
         let shape = shape(&mut values)?;
         let pose = Pose::new(values.triple("rotate", [0.0; 3])?, values.triple("shift", [0.0; 3])?);
-        let spacing = values.triple("spacing", [1.0; 3])?;
+        let own = values.triple("spacing", [1.0; 3])?;
         let jitter = values.take("jitter", 0.0, "a standard deviation in mm, 0 or more", |text| {
             finite(text).filter(|&v| v >= 0.0)
         })?;
         values.finish()?;
-        Ok(Self::new(shape, pose, spacing)?.with_jitter(jitter))
+        Ok(Self::new(shape, pose, spacing.unwrap_or(own))?.with_jitter(jitter))
     }
 }
 

@@ -1,5 +1,15 @@
 //! Pictures for papers and reports, drawn without a display: a [`Figure`] is an SVG document, and PNG comes
 //! from it.
+//!
+//! ```
+//! use surfometry::{Measurement, phantoms::Phantom};
+//! use surfometry::pictures::{PictureKind, PictureStyle, picture};
+//! let mask = Phantom::from_spec("torus?major=12&minor=5")?.labels()?.mask(1);
+//! let object = Measurement::default().prepare(&mask)?;
+//! let figure = picture(PictureKind::Surface, &object, &object.surface(), &PictureStyle::default())?;
+//! assert!(figure.to_png(1.0)?.starts_with(b"\x89PNG"));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 mod agreement_chart;
 mod axes;

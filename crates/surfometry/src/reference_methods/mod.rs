@@ -3,6 +3,14 @@
 //!
 //! They measure the mask as it is, each with its known bias, which its documentation states. None of them
 //! gives local curvature.
+//!
+//! ```
+//! use surfometry::{phantoms::Phantom, reference_methods::{Crofton, ReferenceMethod}};
+//! let ball = Phantom::from_spec("ball?radius=12&shift=0.3,0.2,0.1")?;
+//! let area = Crofton::Directions13.measure(&ball.labels()?.mask(1)).surface_area_mm2.expect("an area");
+//! assert!((area / ball.truth().expect("exact").surface_area - 1.0).abs() < 0.01);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 mod crofton;
 mod dilation;

@@ -3,6 +3,27 @@
 //!
 //! Everything that is shown stands in one serialisable [`Report`]; `report.html` is its only template. The
 //! file needs no network: plotly.js is inside.
+//!
+//! ```
+//! use surfometry::report::{Provenance, Report, ReportPart, ReportTask, render};
+//! use surfometry::{Control, runs::{Batch, Collected, Plan}};
+//! let (inputs, control) = (["phantom:ball?radius=6".to_owned()], Control::default());
+//! let batch = Batch { inputs: &inputs, open: Default::default(), control: &control, cure: |_| None };
+//! let mut parts = Collected::default();
+//! batch.run(&ReportTask::new(Plan::default()), &mut parts)?;
+//! let objects = parts.results.into_iter().filter_map(|part| match part {
+//!     ReportPart::Object(section) => Some(*section),
+//!     ReportPart::Source(_) => None,
+//! });
+//! let page = render(&Report {
+//!     title: "a ball".to_owned(),
+//!     objects: objects.collect(),
+//!     failures: parts.failures,
+//!     provenance: Provenance::new("an example".to_owned(), Vec::new()),
+//! })?;
+//! assert!(page.contains("a ball"));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 mod comparison_page;
 mod figures;

@@ -48,7 +48,7 @@ pub enum RunError {
         source: io::Error,
     },
     /// A measure that records do not have.
-    #[error("{0}: no number of that name was measured; names are those of the columns of CSV")]
+    #[error("{0}: no number of that name is measured; names are those of the columns of CSV")]
     NoMeasure(String),
     /// A file that was another one when it had been read.
     #[error("the file changed while it was read: measure it again when it is finished")]

@@ -7,6 +7,16 @@ use crate::volume::{LabelImage, LabelSummary};
 use serde::Serialize;
 
 /// Describes every input: format, lattice, orientation, labels.
+///
+/// ```
+/// use surfometry::{Control, runs::{Batch, Collected, InfoTask}};
+/// let (inputs, control) = (["phantom:ball?radius=6".to_owned()], Control::default());
+/// let batch = Batch { inputs: &inputs, open: Default::default(), control: &control, cure: |_| None };
+/// let mut found = Collected::default();
+/// batch.run(&InfoTask, &mut found)?;
+/// assert_eq!(found.results[0].labels.len(), 1);
+/// # Ok::<(), std::io::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy, Default)]
 pub struct InfoTask;
 

@@ -6,6 +6,23 @@ use crate::inputs::with_parts;
 use std::path::PathBuf;
 
 /// Maps every selected object of an input: files, and a record with the distributions of curvature.
+///
+/// ```
+/// use surfometry::{Control, runs::{Batch, Collected, FileLedger, MapStyle, MapTask, Plan}};
+/// let folder = tempfile::tempdir()?;
+/// let mesh = folder.path().join("ball.ply");
+/// let (inputs, control) = (["phantom:ball?radius=6".to_owned()], Control::default());
+/// let batch = Batch { inputs: &inputs, open: Default::default(), control: &control, cure: |_| None };
+/// let task = MapTask {
+///     plan: Plan { recover: false, ..Plan::default() },
+///     files: vec![mesh.clone()],
+///     style: MapStyle::default(),
+///     ledger: FileLedger::new(&inputs),
+/// };
+/// batch.run(&task, &mut Collected::default())?;
+/// assert!(mesh.is_file());
+/// # Ok::<(), std::io::Error>(())
+/// ```
 #[derive(Debug)]
 pub struct MapTask {
     /// What is asked.

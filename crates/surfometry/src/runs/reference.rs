@@ -40,6 +40,17 @@ impl Row for ReferenceRecord {
 }
 
 /// Measures every selected object of an input by each of some methods.
+///
+/// ```
+/// use surfometry::{Control, reference_methods::VoxelCounting};
+/// use surfometry::runs::{Batch, Collected, Plan, ReferenceTask};
+/// let (inputs, control) = (["phantom:ball?radius=6".to_owned()], Control::default());
+/// let batch = Batch { inputs: &inputs, open: Default::default(), control: &control, cure: |_| None };
+/// let mut found = Collected::default();
+/// batch.run(&ReferenceTask { plan: Plan::default(), methods: vec![&VoxelCounting] }, &mut found)?;
+/// assert!(found.results[0].values.volume_mm3.is_some());
+/// # Ok::<(), std::io::Error>(())
+/// ```
 pub struct ReferenceTask<'a> {
     /// What is asked: labels alone count.
     pub plan: Plan,

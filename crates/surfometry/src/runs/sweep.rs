@@ -1,7 +1,7 @@
 //! The same objects over a range of a parameter, from one reading.
 
 use super::{Failure, FileLedger, Item, MapStyle, Opened, Plan, Reading, Record, RunError, SweepChart, Task};
-use super::{write_map_files, write_sweep_chart};
+use super::{Row, write_map_files, write_sweep_chart};
 use crate::Choice;
 use crate::choice::choices;
 use crate::inputs::with_parts;
@@ -68,6 +68,27 @@ impl SweptParameter {
 
 /// Measures every selected object of an input at each of some values of a parameter; records object by
 /// object, each over the values.
+///
+/// ```
+/// use surfometry::{Control, runs::{Batch, Collected, FileLedger, Plan, SweepTask, SweptParameter}};
+/// let (inputs, control) = (["phantom:ball?radius=8".to_owned()], Control::default());
+/// let batch = Batch { inputs: &inputs, open: Default::default(), control: &control, cure: |_| None };
+/// let task = SweepTask {
+///     plan: Plan { recover: false, ..Plan::default() },
+///     over: SweptParameter::Sigma,
+///     values: vec![1.5, 2.0],
+///     chart: None,
+///     surfaces: None,
+///     ledger: FileLedger::new(&inputs),
+/// };
+/// task.check().expect("nothing contradicts itself");
+/// let mut found = Collected::default();
+/// batch.run(&task, &mut found)?;
+/// // The larger blur leaves the smaller ball.
+/// let blurred: Vec<_> = found.results.iter().map(|record| record.measured.blurred.volume_mm3).collect();
+/// assert!(blurred[1] < blurred[0]);
+/// # Ok::<(), std::io::Error>(())
+/// ```
 #[derive(Debug)]
 pub struct SweepTask {
     /// What is asked beside.
@@ -127,6 +148,22 @@ impl Task for SweepTask {
 }
 
 impl SweepTask {
+    /// Refuses values that contradict the plan, and measures that no record has, whatever the input.
+    ///
+    /// # Errors
+    /// [`RunError::Measure`], [`RunError::NoMeasure`].
+    pub fn check(&self) -> Result<(), RunError> {
+        for &value in &self.values {
+            self.plan_at(value).check()?;
+        }
+        let columns = Record::columns();
+        let asked = self.chart.iter().flat_map(|chart| &chart.measures);
+        match asked.into_iter().find(|name| !columns.contains(name)) {
+            Some(name) => Err(RunError::NoMeasure(name.clone())),
+            None => Ok(()),
+        }
+    }
+
     fn plan_at(&self, value: f64) -> Plan {
         Plan { measurement: self.over.set(self.plan.measurement, value), ..self.plan.clone() }
     }

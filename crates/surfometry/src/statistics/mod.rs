@@ -2,6 +2,14 @@
 //! correlation, bootstrap, confusion of topology.
 //!
 //! Intervals are of 95 %. Bias is method minus standard; the paper's tables have it the other way round.
+//!
+//! ```
+//! use surfometry::statistics::{Agreement, Bootstrap, Paired};
+//! let pairs = Paired::new(vec![10.1, 20.3, 29.9, 40.5], vec![10.0, 20.0, 30.0, 40.0])?;
+//! let agreement = Agreement::of(&pairs, Bootstrap::default());
+//! assert!((agreement.bland_altman.bias.value - 0.2).abs() < 1e-9);
+//! # Ok::<(), surfometry::statistics::PairError>(())
+//! ```
 
 mod agreement;
 mod bland_altman;

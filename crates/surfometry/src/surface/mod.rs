@@ -1,4 +1,14 @@
 //! The surface phi = 0 as a mesh, and what is known at its vertices.
+//!
+//! ```
+//! use surfometry::{Measurement, phantoms::Phantom};
+//! let mask = Phantom::from_spec("ball?radius=10&shift=0.3,0.2,0.1")?.labels()?.mask(1);
+//! let surface = Measurement::default().prepare(&mask)?.surface();
+//! // Each vertex has its curvature; the blurred ball's is a little more than 1 / 10 mm.
+//! let summary = surface.curvature_summary().expect("a surface");
+//! assert!((summary.mean_curvedness_per_mm - 0.1).abs() < 0.02);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 mod cell;
 mod cell_interior;

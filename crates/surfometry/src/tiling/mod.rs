@@ -3,6 +3,17 @@
 //! Every stage works on an index box and every result is a sum over boxes. Tiles are anchored at image index
 //! 0, never at a crop, so that a voxel belongs to the same tile whatever else is measured, on any number of
 //! threads.
+//!
+//! ```
+//! use surfometry::tiling::ExactSum;
+//! let sum = |numbers: &[f64]| {
+//!     let mut sum = ExactSum::default();
+//!     numbers.iter().for_each(|&number| sum.add(number));
+//!     sum.value()
+//! };
+//! assert_eq!(sum(&[1e16, 1.0, -1e16]), 1.0);
+//! assert_eq!(sum(&[1.0, -1e16, 1e16]), 1.0);
+//! ```
 
 mod block;
 mod cover;

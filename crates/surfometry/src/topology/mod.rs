@@ -1,5 +1,14 @@
 //! Exact topology of the voxels: Euler numbers, components, cavities, handles; and where two objects differ
 //! in it.
+//!
+//! ```
+//! use surfometry::{phantoms::Phantom, topology::VoxelTopology};
+//! let mask = Phantom::from_spec("torus?major=12&minor=5")?.labels()?.mask(1);
+//! let topology = VoxelTopology::of(&mask);
+//! assert_eq!((topology.components, topology.cavities, topology.handles), (1, 0, 1));
+//! assert_eq!(topology.euler_characteristic_26, 0);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 mod box_topology;
 mod bricks;

@@ -2,6 +2,7 @@
 
 use super::ZooShape;
 use super::poses::UnitPose;
+use crate::integrals::Globals;
 use crate::measurement::{CurvatureScale, MeasureError, Measured, Measurement, SurfaceValues};
 use crate::phantoms::{Phantom, Pose, SurfacePoint, Truth};
 use crate::volume::Mask;
@@ -18,17 +19,6 @@ pub struct Case {
     pub ratio: f64,
     /// Rotation, shift and size.
     pub pose: UnitPose,
-}
-
-/// Measured against exact, in %.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
-pub struct RelativeErrors {
-    /// V.
-    pub volume: f64,
-    /// A.
-    pub surface_area: f64,
-    /// M; of the size of A / R where M itself is small, as of minimal surfaces.
-    pub total_mean_curvature: f64,
 }
 
 /// Local curvature at the vertices of the corrected surface, against that of the exact surface beside them;
@@ -64,12 +54,12 @@ pub struct CaseResult {
     pub sigma_over_radius: f64,
     /// Rotation, shift and size.
     pub pose: UnitPose,
-    /// The blurred object.
-    pub blurred: RelativeErrors,
-    /// The original object.
-    pub original: RelativeErrors,
+    /// Errors of the blurred object in %; of M, where M itself is small, as of minimal surfaces, in % of A / R.
+    pub blurred: Globals,
+    /// The same of the original object.
+    pub original: Globals,
     /// Errors of the original object's values in units of their standard errors.
-    pub standardised: Option<RelativeErrors>,
+    pub standardised: Option<Globals>,
     /// Gauss-Bonnet less exact.
     pub euler_characteristic: f64,
     /// V - E + F less exact.
@@ -120,9 +110,9 @@ impl Case {
         let percent = |value: Option<f64>, exact: f64, unit: f64| {
             value.map_or(f64::NAN, |v| 100.0 * (v - exact) / unit)
         };
-        let errors = |values: &SurfaceValues| RelativeErrors {
+        let errors = |values: &SurfaceValues| Globals {
             volume: percent(values.volume_mm3, truth.volume, truth.volume),
-            surface_area: percent(values.surface_area_mm2, truth.surface_area, truth.surface_area),
+            area: percent(values.surface_area_mm2, truth.surface_area, truth.surface_area),
             total_mean_curvature: percent(
                 values.total_mean_curvature_mm,
                 truth.total_mean_curvature,
@@ -147,11 +137,11 @@ impl Case {
     }
 }
 
-fn standardised(measured: &Measured, truth: &Truth) -> Option<RelativeErrors> {
+fn standardised(measured: &Measured, truth: &Truth) -> Option<Globals> {
     let (values, errors) = (measured.values, measured.standard_error);
-    Some(RelativeErrors {
+    Some(Globals {
         volume: (values.volume_mm3? - truth.volume) / errors.volume_mm3?,
-        surface_area: (values.surface_area_mm2? - truth.surface_area) / errors.surface_area_mm2?,
+        area: (values.surface_area_mm2? - truth.surface_area) / errors.surface_area_mm2?,
         total_mean_curvature: (values.total_mean_curvature_mm? - truth.total_mean_curvature)
             / errors.total_mean_curvature_mm?,
     })

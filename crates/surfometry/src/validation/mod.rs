@@ -1,11 +1,26 @@
 //! The zoo: shapes with exact truth in many poses, and how far the measured numbers are from it.
+//!
+//! ```
+//! use surfometry::validation::{Validation, summarise};
+//! let one = Validation {
+//!     shapes: vec!["torus 2:1".to_owned()],
+//!     resolutions: vec![8.0],
+//!     ratios: vec![1.0],
+//!     poses: 1,
+//!     local: false,
+//!     ..Validation::default()
+//! };
+//! let summaries = summarise(&one.run(|| {})?);
+//! assert!(summaries[0].worst_original.area < 1.0);
+//! # Ok::<(), surfometry::measurement::MeasureError>(())
+//! ```
 
 mod case;
 mod poses;
 mod summary;
 mod zoo;
 
-pub use case::{Case, CaseResult, LocalErrors, RelativeErrors};
+pub use case::{Case, CaseResult, LocalErrors};
 pub use summary::{Summary, summarise};
 pub use zoo::{ZOO, ZooShape};
 

@@ -1,6 +1,7 @@
 //! Cases of a shape at a resolution, in a few numbers.
 
-use super::{CaseResult, RelativeErrors};
+use super::CaseResult;
+use crate::integrals::Globals;
 use serde::Serialize;
 
 /// All poses of a shape on one kind of grid.
@@ -17,9 +18,9 @@ pub struct Summary {
     /// How many.
     pub cases: usize,
     /// The largest errors of the blurred object.
-    pub worst_blurred: RelativeErrors,
+    pub worst_blurred: Globals,
     /// The largest errors of the original object's, %.
-    pub worst_original: RelativeErrors,
+    pub worst_original: Globals,
     /// Share of the original object's values, in %, within 1.96 standard errors of the truth; V, A and M
     /// together.
     pub coverage: Option<f64>,
@@ -47,9 +48,9 @@ pub fn summarise(results: &[CaseResult]) -> Vec<Summary> {
 }
 
 fn summary(cases: &[CaseResult]) -> Summary {
-    let worst = |errors: &dyn Fn(&CaseResult) -> RelativeErrors| RelativeErrors {
+    let worst = |errors: &dyn Fn(&CaseResult) -> Globals| Globals {
         volume: largest(cases.iter().map(|c| errors(c).volume)),
-        surface_area: largest(cases.iter().map(|c| errors(c).surface_area)),
+        area: largest(cases.iter().map(|c| errors(c).area)),
         total_mean_curvature: largest(cases.iter().map(|c| errors(c).total_mean_curvature)),
     };
     let rms = |number: &dyn Fn(&CaseResult) -> Option<f64>| {
@@ -63,7 +64,7 @@ fn summary(cases: &[CaseResult]) -> Summary {
     let covered = |c: &CaseResult| {
         let e = c.standardised?;
         let within = |z: f64| if z.abs() <= 1.96 { 100.0 } else { 0.0 };
-        Some((within(e.volume) + within(e.surface_area) + within(e.total_mean_curvature)) / 3.0)
+        Some((within(e.volume) + within(e.area) + within(e.total_mean_curvature)) / 3.0)
     };
     let first = &cases[0];
     Summary {

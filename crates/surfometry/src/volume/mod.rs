@@ -1,4 +1,15 @@
 //! Images in memory: grid, spacing, affine, labels, masks, fields, and the slabs in which they arrive.
+//!
+//! ```
+//! use surfometry::volume::{Affine, Grid, LabelImage};
+//! // Voxels of 1 x 1 x 2 mm, the first axis fastest; world coordinates are RAS, in mm.
+//! let axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+//! let grid = Grid::new([3, 2, 2], Affine::from_directions(axes, [1.0, 1.0, 2.0], [0.0; 3]))?;
+//! let image = LabelImage::from_voxels(grid, &[0_u8, 5, 5, 0, 0, 0, 7, 0, 0, 0, 0, 0])?;
+//! assert_eq!(image.summary(5).map(|label| label.voxels), Some(2));
+//! assert!(image.mask(7).get([0, 0, 1]));
+//! # Ok::<(), surfometry::volume::VolumeError>(())
+//! ```
 
 mod affine;
 mod error;

@@ -1,0 +1,69 @@
+//! What a map's run gives: documents that grow, names of files, flags.
+
+use super::{flags_text, say};
+use anyhow::{Result, anyhow};
+use std::io;
+use std::path::PathBuf;
+use surfometry::io::ResultOutput;
+use surfometry::runs::{Failure, JsonSink, Outcome, Record, Sink, SurfaceRecord};
+
+/// Writes the results of a map into documents while they come, and keeps the names of all files.
+pub(crate) struct MapSink {
+    documents: Vec<(PathBuf, JsonSink<SurfaceRecord>)>,
+    /// Files that were written.
+    names: Vec<String>,
+    /// Of the input in hand, where flags are to be said.
+    records: Option<Vec<Record>>,
+}
+
+impl MapSink {
+    /// Begins the documents.
+    pub(crate) fn new(documents: Vec<PathBuf>, quiet: bool) -> Result<Self> {
+        let begun = documents.into_iter().map(|path| {
+            let begun = ResultOutput::create(&path).and_then(JsonSink::new);
+            // Not as an error of writing: nothing is measured yet.
+            let sink = begun.map_err(|error| anyhow!("{}: cannot be written: {error}", path.display()))?;
+            Ok((path, sink))
+        });
+        let documents = begun.collect::<Result<_>>()?;
+        Ok(Self { documents, names: Vec::new(), records: (!quiet).then(Vec::new) })
+    }
+
+    /// Ends the documents; names of all that was written, one a line. What a run that was stopped leaves keeps
+    /// the name of an unfinished file.
+    pub(crate) fn finish(mut self, outcome: Outcome) -> io::Result<String> {
+        for (path, sink) in self.documents {
+            let out = sink.finish()?;
+            let unfinished = out.partial().filter(|_| outcome.stopped).map(|name| name.display().to_string());
+            if unfinished.is_none() {
+                out.finish()?;
+            }
+            self.names.push(unfinished.unwrap_or_else(|| path.display().to_string()));
+        }
+        self.names.push(String::new());
+        Ok(self.names.join("\n"))
+    }
+}
+
+impl Sink<SurfaceRecord> for MapSink {
+    fn row(&mut self, row: SurfaceRecord) -> io::Result<()> {
+        self.names.extend_from_slice(&row.files);
+        if let Some(records) = &mut self.records {
+            records.push(row.record.clone());
+        }
+        self.documents.iter_mut().try_for_each(|(_, sink)| sink.row(row.clone()))
+    }
+
+    fn failure(&mut self, failure: Failure) -> io::Result<()> {
+        self.documents.iter_mut().try_for_each(|(_, sink)| sink.failure(failure.clone()))
+    }
+
+    fn input_ends(&mut self) -> io::Result<()> {
+        let records = self.records.as_mut().map(std::mem::take).unwrap_or_default();
+        let flags = flags_text(&records.iter().collect::<Vec<_>>());
+        if let Some(record) = records.first().filter(|_| !flags.is_empty()) {
+            say(&format!("{}\n{}", record.input, flags.trim_end()));
+        }
+        self.documents.iter_mut().try_for_each(|(_, sink)| sink.input_ends())
+    }
+}
