@@ -21,8 +21,8 @@ pub(crate) struct Voice {
 /// How long a run may take to stop after Ctrl-C before it is ended where it is: what was finished is written
 /// by then.
 const PATIENCE: Duration = Duration::from_millis(150);
-/// Whether a run that was stopped is writing what it found: that is waited for. Another Ctrl-C ends it too.
-static WRITING: AtomicBool = AtomicBool::new(false);
+/// Whether what was finished is written at the end of the run, which is then waited for. Another Ctrl-C ends it.
+static WRITTEN_AT_END: AtomicBool = AtomicBool::new(false);
 /// Exit status of a run that Ctrl-C ended, as shells have it.
 pub(crate) const INTERRUPTED: u8 = 130;
 
@@ -40,7 +40,7 @@ pub(crate) fn control(steps: usize, voice: Voice) -> Control {
         stopped.stop();
         std::thread::spawn(|| {
             std::thread::sleep(PATIENCE);
-            if !WRITING.load(Ordering::SeqCst) {
+            if !WRITTEN_AT_END.load(Ordering::SeqCst) {
                 say(STOPPED);
                 std::process::exit(i32::from(INTERRUPTED));
             }
@@ -49,9 +49,9 @@ pub(crate) fn control(steps: usize, voice: Voice) -> Control {
     control
 }
 
-/// Says that the run is over, and that what it found is being written.
-pub(crate) fn writing() {
-    WRITING.store(true, Ordering::SeqCst);
+/// Says that nothing is written before the run's end.
+pub(crate) fn written_at_end() {
+    WRITTEN_AT_END.store(true, Ordering::SeqCst);
 }
 
 /// What is said of a run that Ctrl-C ended.

@@ -215,6 +215,31 @@ fn output_is_written_whole_or_not_at_all() {
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1, "no temporary file is left");
 }
 
+/// That a result could not be written is no fault of the command.
+#[cfg(target_os = "linux")]
+#[test]
+fn what_cannot_be_written_at_the_end() {
+    let full = std::fs::OpenOptions::new().write(true).open("/dev/full").unwrap();
+    let output =
+        Command::new(env!("CARGO_BIN_EXE_surfometry")).args(["measure", BALL]).stdout(full).output().unwrap();
+    assert_eq!(output.status.code(), Some(1));
+    assert!(text(&output.stderr).contains("stdout: cannot be written"), "{}", text(&output.stderr));
+}
+
+/// A phantom beside files that need a spacing is put on the same lattice.
+#[test]
+fn a_spacing_replaces_that_of_a_phantom() {
+    let volume = |args: &[&str]| {
+        let output = run(&[&["measure", "--format", "csv"], args].concat());
+        let rows = csv::Reader::from_reader(&output.stdout[..]).into_records();
+        let row = rows.map(|row| row.expect("a row")).next().expect("a result");
+        row[5].to_owned()
+    };
+    let asked = volume(&["phantom:ball?radius=6", "--spacing", "0.5,0.6,0.7"]);
+    assert_eq!(asked, volume(&["phantom:ball?radius=6&spacing=0.5,0.6,0.7"]));
+    assert_ne!(asked, volume(&["phantom:ball?radius=6"]));
+}
+
 /// The segmentation is never what gets written over.
 #[test]
 fn an_output_does_not_replace_an_input() {

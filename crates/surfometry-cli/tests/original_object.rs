@@ -86,7 +86,7 @@ fn sweeps_of_any_measure_and_surfaces_along_the_way() {
     }
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 4);
     let unknown = run(&[&sweep[..], &["--measures", "roundness"]].concat());
-    assert_eq!(unknown.status.code(), Some(1));
+    assert_eq!(unknown.status.code(), Some(2));
     assert!(text(&unknown.stderr).contains("roundness: no number of that name"));
 }
 
@@ -117,6 +117,18 @@ fn sweeps_that_make_no_sense() {
         ["--over", "sigma", "--range", "1:2"],
     ] {
         assert_eq!(run(&[&["sweep", BALL], &args[..]].concat()).status.code(), Some(2), "{args:?}");
+    }
+    // What contradicts itself is told before any input is looked at: this one is not there.
+    for args in [
+        &["--over", "level", "--range", "0.5:1.2:3"][..],
+        &["--over", "level", "--range", "0.4:0.6:3", "--embedding", "corrected"],
+        &["--range", "1:2:3", "--embedding", "distance"],
+        &["--range", "1:2:3", "--epsilon", "0.6"],
+        &["--range", "1:2:3", "--chart", "chart.png", "--measures", "volume"],
+    ] {
+        let refused = run(&[&["sweep", "nowhere.nii"], args].concat());
+        assert_eq!(refused.status.code(), Some(2), "{args:?}");
+        assert!(!text(&refused.stderr).contains("nowhere"), "{}", text(&refused.stderr));
     }
     let twice = run(&["sweep", BALL, "--range", "1:2:3", "--sigma", "2"]);
     assert_eq!(twice.status.code(), Some(2));

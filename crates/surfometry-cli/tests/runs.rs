@@ -75,6 +75,41 @@ fn what_was_finished_survives_a_kill() {
     assert!(unfinished > 0 && most > 0);
 }
 
+#[cfg(unix)]
+fn interrupt(child: &Child) {
+    let sent = Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
+    assert!(sent.success());
+}
+
+/// Pages and documents of a run that was stopped hold what was finished.
+#[cfg(unix)]
+#[test]
+fn a_stop_leaves_pages_and_documents() {
+    for (command, name) in [("report", "page.html"), ("map", "map.json")] {
+        let folder = tempfile::tempdir().unwrap();
+        let inputs = ["phantom:ball?radius=6", "phantom:gyroid?period=40&size=400"];
+        let arguments: Vec<String> =
+            [&[command], &inputs[..], &["-o", name]].concat().into_iter().map(str::to_owned).collect();
+        let partial = folder.path().join(format!("{name}.partial"));
+        let child = start(folder.path(), &arguments);
+        let started = Instant::now();
+        // A page is made at the end, so nothing tells how far it is: the first takes a second.
+        let is_finished = || match command {
+            "map" => std::fs::read_to_string(&partial).is_ok_and(|text| text.contains(inputs[0])),
+            _ => started.elapsed() > Duration::from_secs(8),
+        };
+        while !is_finished() && started.elapsed() < Duration::from_mins(1) {
+            std::thread::sleep(Duration::from_millis(5));
+        }
+        interrupt(&child);
+        let output = child.wait_with_output().unwrap();
+        assert_eq!(output.status.code(), Some(130), "{command}");
+        let text = std::fs::read_to_string(&partial).expect("what was finished");
+        assert!(text.contains("phantom:ball?radius=6"), "{command}");
+        assert!(!folder.path().join(name).exists());
+    }
+}
+
 /// Ctrl-C ends a run soon, says so, and leaves what was finished.
 #[cfg(unix)]
 #[test]
@@ -91,8 +126,7 @@ fn a_stop_is_soon_and_says_so() {
         std::thread::sleep(Duration::from_millis(5));
     }
     let stopped = Instant::now();
-    let sent = Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
-    assert!(sent.success());
+    interrupt(&child);
     let output = child.wait_with_output().unwrap();
     let took = stopped.elapsed();
     println!("stopped within {took:?}");

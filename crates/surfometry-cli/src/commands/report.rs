@@ -1,7 +1,7 @@
 //! `surfometry report`.
 
 use super::SOME_FAILED;
-use crate::console::{Voice, control, writing};
+use crate::console::{Voice, control, written_at_end};
 use crate::cures::cure;
 use crate::inputs::expand;
 use crate::options::{CurvatureOptions, MeasureOptions};
@@ -41,8 +41,8 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
     let control = control(inputs.len(), Voice { quiet, memory: false });
     let batch = Batch { inputs: &inputs, open: plan.open, control: &control, cure };
     let mut parts = Collected::default();
+    written_at_end();
     let outcome = batch.run(&ReportTask::new(plan), &mut parts)?;
-    writing();
     let (mut objects, mut sources) = (Vec::new(), Vec::new());
     for part in parts.results {
         match part {
