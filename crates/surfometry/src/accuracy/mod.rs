@@ -28,5 +28,5 @@ pub use scale::{
 };
 pub use soft_edges::SoftEdges;
 pub use terraces::Terraces;
-pub(crate) use uncertainty::of_average;
 pub use uncertainty::{ErrorModel, IntegralErrors};
+pub(crate) use uncertainty::{left_of_terraces, of_average};

@@ -163,17 +163,21 @@ impl Setup {
         });
         let mut errors = compensated_errors.as_ref().map(SurfaceValues::of_errors).unwrap_or_default();
         let mut values = compensated(blurred, terms);
-        if let Some([recovered, recovered_errors]) = totals
-            .recovered
-            .zip(counted)
-            .and_then(|(recovered, counted)| recovered.results(counted, self.grid.spacing()))
+        if let Some([recovered, recovered_errors]) =
+            totals.recovered.zip(counted).and_then(|(recovered, counted)| {
+                recovered.results(counted, self.grid.spacing(), self.parameters.sigma_mm?)
+            })
         {
             (values, errors) = (recovered, recovered_errors);
         }
         // Straight thin parts lie in the lattice as a whole.
-        let thin = totals.recovered.map_or(1.0, |recovered| recovered.summary.thinness());
-        let counted_error =
-            modelled.map(|(model, blurred)| model.grid_noise(&blurred).volume * copies.sqrt() * thin);
+        let [thin, noise] = totals.recovered.map_or([1.0, 0.0], |recovered| {
+            let area = values.surface_area_mm2.unwrap_or_default();
+            [recovered.summary.thinness(), recovered.summary.noise_of_volume(area, self.grid.spacing())]
+        });
+        let counted_error = modelled.map(|(model, blurred)| {
+            libm::hypot(model.grid_noise(&blurred).volume * copies.sqrt() * thin, noise)
+        });
         let exact = euler.map(|_| 0.0);
         [
             SurfaceValues {

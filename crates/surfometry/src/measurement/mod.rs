@@ -16,6 +16,8 @@ mod probability;
 mod recovery;
 mod result;
 mod scheme;
+
+mod settling;
 mod setup;
 mod streaming;
 mod voxel_map;
@@ -35,6 +37,8 @@ pub use result::{
     BlurredValues, DescribedSurface, GridSummary, Measured, MeshSummary, StageSeconds, SurfaceValues,
     TopologySummary, VoxelSummary,
 };
+#[cfg(feature = "io")]
+pub(crate) use settling::settled;
 pub use streaming::{Progress, StreamError, Streamed};
 pub use voxel_map::VoxelQuantity;
 

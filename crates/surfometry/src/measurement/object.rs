@@ -139,6 +139,11 @@ impl Object {
         &self.mask
     }
 
+    /// The control that it is under.
+    pub(super) fn control(&self) -> &Control {
+        &self.setup.control
+    }
+
     /// The same under a control: once that says stop, whatever is asked of the object ends early and is not
     /// to be used. [`Control::check`] tells.
     #[must_use]

@@ -2,7 +2,7 @@
 
 use super::SurfaceValues;
 use super::setup::Setup;
-use crate::accuracy::{Flag, FlagCode, of_average};
+use crate::accuracy::{Flag, FlagCode, left_of_terraces, of_average};
 use crate::embedding::{CorrectedMask, Corrections, Price, Recovery};
 use crate::surface::Surface;
 use crate::volume::{Mask, Spacing};
@@ -81,9 +81,14 @@ impl RecoverySummary {
         if self.beside == 0 { 0.0 } else { self.violated as f64 / self.beside as f64 }
     }
 
-    /// By how much the count of voxels scatters more than of a smooth body: up to three times, as measured on tubes.
+    /// By how much the count of voxels scatters more than of a smooth body.
     pub(super) fn thinness(&self) -> f64 {
-        1.0 + 2.0 * self.share().sqrt()
+        1.0 + 0.5 * self.share().sqrt()
+    }
+
+    /// What noise may have done to V, for an area.
+    pub(super) fn noise_of_volume(&self, area: f64, spacing: Spacing) -> f64 {
+        OF_NOISE_IN_VOLUME * self.noise * area * spacing.geometric_mean()
     }
 
     pub(super) fn flag(&self) -> Option<Flag> {
@@ -96,14 +101,29 @@ impl RecoverySummary {
     }
 }
 
-/// Standard errors of A and M as shares of A and of the integral of |H|: where nothing is corrected, and where everything is.
-const ERRORS: [[f64; 2]; 2] = [[0.003, 0.04], [0.004, 0.13]];
-/// Share of what the shift to the voxels' volume changes that may be wrong: parts of an object are short of it by more or less.
-const OF_SHIFT: f64 = 0.5;
-/// Radius of curvature, in geometric mean spacings, below which a rounded edge and a thin part are not told apart, and the
-/// share of such area that may be missing: a cube of 25 voxels loses 3 % of its area at its edges.
+/// What a random pose does to A and M, as shares of A and of the integral of |H|, and what else corrections leave: in units of
+/// the root of the share that the blur would lose, of A; of that share, of M.
+const POSES: [f64; 2] = [0.005, 0.006];
+const LEFT: [f64; 2] = [0.02, 0.10];
+/// Shares of what the shift to the voxels' volume changes that may be wrong: parts of an object are short of it by more or less.
+const OF_SHIFT: [f64; 2] = [0.4, 0.3];
+/// Share of that shift's area that goes too far, in units of the share that the blur would lose: thin parts are short of
+/// volume at their ends, too.
+const TOO_FAR: f64 = 1.7;
+/// Shares of A and of the integral of |H| that noise may have added or taken, in units of its level; and where nothing tells
+/// noise from the shape, in units of the square of the share that turns as sharply ([`SHARP`]): 1 of thin tubes, of which 1 %
+/// of flipped voxels make A 2 to 4 % larger.
+const OF_NOISE: f64 = 0.3;
+const UNSEEN: f64 = 0.025;
+/// The same of V, in units of the level of noise times A and a spacing.
+const OF_NOISE_IN_VOLUME: f64 = 0.2;
+/// Radius of curvature, in geometric mean spacings, below which a rounded edge and a thin part are not told apart.
 const SHARP: f64 = 2.2;
-const OF_EDGES: f64 = 0.1;
+/// Shares of such area that may be missing, and of the integral of |H|, in units of the share of such area.
+const OF_EDGES: [f64; 2] = [0.06, 0.03];
+/// What is missing there, of A in units of such area and of the integral of |H| in units of the share of such area; both in
+/// units of the share that the blur would lose.
+const EDGES_LOST: [f64; 2] = [0.45, 0.3];
 /// Furthest shift, in geometric mean spacings.
 const FURTHEST: f64 = 0.5;
 
@@ -130,7 +150,7 @@ impl Recovered {
 
     /// A, M and M / A of the object, and their standard errors: of the surface parallel to the mesh that has the voxels' volume.
     /// On thin parts phi = 0 passes by the outermost centres, and so too far in.
-    pub(super) fn results(&self, volume: f64, spacing: Spacing) -> Option<[SurfaceValues; 2]> {
+    pub(super) fn results(&self, volume: f64, spacing: Spacing, sigma: f64) -> Option<[SurfaceValues; 2]> {
         let mesh = self.surface?;
         let most = FURTHEST * spacing.geometric_mean();
         let shift = ((volume - mesh.volume) / mesh.area).clamp(-most, most);
@@ -138,14 +158,26 @@ impl Recovered {
         let gaussian = TAU * mesh.euler_characteristic;
         let [of_area, of_mean] =
             [2.0 * mesh.total_mean_curvature * shift + gaussian * shift * shift, gaussian * shift];
-        let (area, mean) = (mesh.area + of_area, mesh.total_mean_curvature + of_mean);
-        let root = self.summary.share().sqrt();
-        let [area_share, mean_share] = ERRORS.map(|[least, most]| libm::hypot(least, most * root));
-        let area_error = libm::hypot(area_share * area, OF_SHIFT * of_area);
+        let lost = self.summary.share();
         // Where all of it turns so, as of a tube, it is no edge.
         let edges = mesh.sharp_area * (1.0 - mesh.sharp_area / mesh.area);
-        let area_error = libm::hypot(area_error, OF_EDGES * edges);
-        let mean_error = libm::hypot(mean_share * mesh.absolute_mean_curvature, OF_SHIFT * of_mean);
+        let sharp_curvature = edges / mesh.area * mesh.absolute_mean_curvature;
+        let area = mesh.area + of_area * (1.0 - TOO_FAR * lost) + EDGES_LOST[0] * lost * edges;
+        let mean = mesh.total_mean_curvature + of_mean + EDGES_LOST[1] * lost * sharp_curvature;
+        let unseen =
+            libm::hypot(OF_NOISE * self.summary.noise, UNSEEN * (mesh.sharp_area / mesh.area).powi(2));
+        let [area_terraces, mean_terraces] = left_of_terraces(spacing, sigma);
+        let of_all = |shares: &[f64]| shares.iter().fold(0.0, |all, &one| libm::hypot(all, one));
+        let area_error = of_all(&[
+            mesh.area * of_all(&[POSES[0], LEFT[0] * lost.sqrt(), unseen, area_terraces]),
+            OF_SHIFT[0] * of_area,
+            OF_EDGES[0] * edges,
+        ]);
+        let mean_error = of_all(&[
+            mesh.absolute_mean_curvature * of_all(&[POSES[1], LEFT[1] * lost, unseen, mean_terraces]),
+            OF_SHIFT[1] * of_mean,
+            OF_EDGES[1] * sharp_curvature,
+        ]);
         let average_error = of_average([area, mean], [area_error, mean_error]);
         let of = |area, mean, average| SurfaceValues {
             surface_area_mm2: Some(area),

@@ -3,7 +3,6 @@
 use super::ExplainTopology;
 use super::object::{looked_at, what_is_explained};
 use super::reading::{FileStamps, Watched, name_of};
-use super::recovery::{is_doubtful, recovering};
 use super::{InputObject, Item, Opened, Plan, Reading, Record, RunError, Task};
 use crate::inputs::open;
 use crate::measurement::{Measured, StageSeconds};
@@ -121,10 +120,10 @@ impl MeasureTask {
     /// Where the blur loses detail, or voxels and mesh disagree, the input is read again: to measure the object in the
     /// embedding that gives it back, and to see why.
     fn explain(&self, input: &Opened, results: &mut [(LabelGroup, Measured)]) -> Result<(), RunError> {
-        let recovers = recovering(&self.plan).is_some();
+        let recovers = self.plan.recover && self.plan.measurement.recovering().is_some();
         let explain = self.plan.explain_topology;
         let is_looked_at = |measured: &mut Measured| {
-            let wanted = looked_at(measured, explain).is_some() || recovers && is_doubtful(measured);
+            let wanted = looked_at(measured, explain).is_some() || recovers && measured.is_doubtful();
             if !wanted {
                 what_is_explained(measured, explain);
             }

@@ -22,7 +22,6 @@ mod pictures;
 mod plan;
 mod reading;
 mod record;
-mod recovery;
 mod reference;
 mod surface_record;
 #[cfg(feature = "pictures")]

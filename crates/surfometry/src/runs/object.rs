@@ -1,10 +1,9 @@
 //! One object of an input, ready for whatever is asked of it.
 
-use super::recovery::{is_doubtful, recovered, recovering};
 use super::{ExplainTopology, Failure, Plan, Record, RunError};
 use crate::accuracy::Flag;
 use crate::inputs::input_title;
-use crate::measurement::{Looked, Measured, Object};
+use crate::measurement::{Looked, Measured, Object, settled};
 use crate::phantoms::Truth;
 use crate::surface::Surface;
 use crate::tiling::WorkTime;
@@ -92,12 +91,8 @@ impl InputObject {
     pub(super) fn settled(mut self) -> Result<Self, RunError> {
         let Some(choices) = &self.facts.recovering else { return Ok(self) };
         let measured = self.measured.take().unwrap_or_else(|| self.object.measure());
-        let better = if is_doubtful(&measured) {
-            recovered(choices, &self.object, &measured, &self.facts.control)?
-        } else {
-            None
-        };
-        let (object, measured) = better.unwrap_or((self.object, measured));
+        let (object, measured) = settled(choices, self.object, measured)?;
+        self.facts.control.check()?;
         Ok(Self { object, measured: Some(measured), ..self })
     }
 
@@ -182,7 +177,7 @@ impl InputFacts {
             flags: input.source.flags(),
             read_seconds,
             explain: plan.explain_topology,
-            recovering: recovering(plan),
+            recovering: plan.measurement.recovering().filter(|_| plan.recover),
             control: input.control.clone(),
         }
     }

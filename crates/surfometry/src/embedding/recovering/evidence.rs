@@ -29,9 +29,9 @@ const SEEN: f64 = 0.1;
 const NOISY: f64 = 0.02;
 const FINELY_NOISY: f64 = 0.01;
 
-/// In a noisy object company must stand this many times above the noise, as its mean depth over the voxels
-/// beside the boundary.
-const ABOVE: f64 = 2.0;
+/// And where those alone are this share, in rms, of all violations: a thin part that is scanned coarsely has a
+/// few voxels that look alone among many that do not.
+const OF_ALL: f64 = 0.2;
 
 /// Windows, in sigma, and the least that they are along any axis, in voxels; they end at three widths.
 const WINDOWS: [f64; 2] = [0.5, 1.0];
@@ -46,6 +46,8 @@ pub(super) struct Evidence {
     pub(super) noise: f64,
     pub(super) fine_noise: f64,
     pub(super) noisy: bool,
+    /// Of what turns out to be violated later.
+    pub(super) later: f64,
 }
 
 /// What one violation has around it, in one window.
@@ -59,7 +61,7 @@ struct Around {
 impl Evidence {
     /// The same price for all.
     pub(super) fn given(price: f64, count: usize) -> Self {
-        Self { prices: vec![price; count], noise: 0.0, fine_noise: 0.0, noisy: false }
+        Self { prices: vec![price; count], noise: 0.0, fine_noise: 0.0, noisy: false, later: price }
     }
 
     /// From the violated voxels' numbers and depths, in geometric mean spacings; `sigma` is in voxels, by
@@ -90,28 +92,19 @@ impl Evidence {
         let beside = boundary.len();
         let alone = (0..wrong.len()).filter(|&number| is_alone(number));
         let noise = lesser_side(beside, alone.map(|number| (inside[number], depths[number])));
+        let all = lesser_side(beside, inside.iter().copied().zip(depths.iter().copied()));
         let fine_noise =
             lesser_side(beside, (0..).zip(fine).map(|(number, &depth)| (boundary.inside(number), depth)));
-        let noisy = noise >= NOISY && fine_noise >= FINELY_NOISY;
-        let stands_out = |number: usize| {
-            (0..2).any(|window| {
-                has_company(number, window) && {
-                    let beside = windows[window].weight(boundary.voxels(), list.place(number));
-                    around[number][window].agreeing >= ABOVE * noise * beside
-                }
-            })
-        };
-        let price = |number: usize| {
-            if noisy {
-                if stands_out(number) { BELIEVED } else { 0.0 }
-            } else if is_alone(number) {
-                DOUBTED
-            } else {
-                BELIEVED
-            }
+        let noisy = noise >= NOISY.max(OF_ALL * all) && fine_noise >= FINELY_NOISY;
+        // A noisy object has thin parts, too: nothing but what is alone is left to the blur.
+        let price = |number: usize| match (noisy, is_alone(number)) {
+            (true, true) => 0.0,
+            (true, false) if !(0..2).any(|window| has_company(number, window)) => DOUBTED,
+            (false, true) => DOUBTED,
+            _ => BELIEVED,
         };
         let prices = (0..wrong.len()).into_par_iter().map(price).collect();
-        Self { prices, noise, fine_noise, noisy }
+        Self { prices, noise, fine_noise, noisy, later: if noisy { DOUBTED } else { BELIEVED } }
     }
 }
 
@@ -160,12 +153,5 @@ impl Window {
             }
         });
         around
-    }
-
-    /// The sum over a list's voxels around a place, without the one there.
-    fn weight(&self, list: &VoxelList, place: [i32; 3]) -> f64 {
-        let mut sum = -1.0;
-        list.for_each_within(place, self.reach(), &list.bounds(), |_, distance| sum += self.at(distance));
-        sum
     }
 }

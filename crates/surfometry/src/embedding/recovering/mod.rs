@@ -122,6 +122,9 @@ impl Recovery {
         let mut boundary = Boundary::new(mask, self.sigma, self.truncation);
         let kernel = PairKernel::corrected(self.sigma, mask.grid().spacing().mm(), self.truncation);
         let (mut listed, evidence) = self.first_list(mask, &boundary, &kernel);
+        let is_listed = |number: &u32| listed.binary_search_by_key(number, |l| l.number).is_ok();
+        let wrong = boundary.wrong().map(|number| number as u32);
+        let refused: Vec<u32> = wrong.filter(|number| !is_listed(number)).collect();
         let mut found = Corrections {
             beside: boundary.len() as u64,
             violated: boundary.wrong().count() as u64,
@@ -138,9 +141,7 @@ impl Recovery {
             found.rounds += 1;
             found.clusters = solve(&mut boundary, &kernel, &mut listed);
             let settled = listed.iter().all(|l| l.lambda >= l.cap || !boundary.is_wrong(l.number as usize));
-            // In a noisy object what comes up later is not believed either.
-            let more =
-                if evidence.noisy { 0 } else { self.extend_list(mask, &boundary, &kernel, &mut listed) };
+            let more = self.extend_list(mask, &boundary, &kernel, (&mut listed, &refused), evidence.later);
             // What a price holds down may push others over the line for ever: the last rounds then win
             // little.
             let wrong = boundary.wrong().count();
@@ -186,19 +187,24 @@ impl Recovery {
         (listed.collect(), evidence)
     }
 
-    /// Adds what is wrong now; how many those are.
+    /// Adds what is wrong now and was not refused; how many those are.
     fn extend_list(
         &self,
         mask: &Mask,
         boundary: &Boundary,
         kernel: &PairKernel,
-        listed: &mut Vec<Listed>,
+        (listed, refused): (&mut Vec<Listed>, &[u32]),
+        price: f64,
     ) -> usize {
-        let cap = self.price.highest() * self.unit(mask) / kernel.peak();
+        let cap = price * self.unit(mask) / kernel.peak();
         if cap <= 0.0 {
             return 0;
         }
-        let known = |number: usize| listed.binary_search_by_key(&(number as u32), |l| l.number).is_ok();
+        let known = |number: usize| {
+            let number = number as u32;
+            listed.binary_search_by_key(&number, |l| l.number).is_ok()
+                || refused.binary_search(&number).is_ok()
+        };
         let new: Vec<usize> = boundary.wrong().filter(|&number| !known(number)).collect();
         let entry = |&number: &usize| Listed { number: number as u32, lambda: 0.0, cap, margin: CLEARANCE };
         listed.extend(new.iter().map(entry));

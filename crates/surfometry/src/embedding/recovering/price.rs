@@ -13,19 +13,8 @@ pub enum Price {
     Capped(f64),
     /// As the violations look, by a rule that was found on clean and noisy shapes and held on others
     /// (`experiments/recovering_embedding`): those with company that wants the surface moved the same way are
-    /// detail or thin parts and corrected at up to 1; deep ones without are noise. Where noise is little all
-    /// else is corrected too, those in doubt at up to 0.4; where it is much nothing is that does not stand
-    /// out from it.
+    /// detail or thin parts and corrected at up to 1; deep ones that stand alone look like noise. Where there is
+    /// little of that they are corrected too, at up to 0.4, and all else at up to 1; where there is much, they
+    /// are left to the blur, and what has no company is corrected at up to 0.4.
     FromEvidence,
-}
-
-impl Price {
-    /// The most of any voxel.
-    pub(super) fn highest(self) -> f64 {
-        match self {
-            Self::Strict => f64::INFINITY,
-            Self::Capped(price) => price.max(0.0),
-            Self::FromEvidence => super::evidence::BELIEVED,
-        }
-    }
 }

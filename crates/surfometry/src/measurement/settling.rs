@@ -1,0 +1,91 @@
+//! Objects of which the blur loses detail are measured again, in the embedding that gives it back.
+
+use super::{EmbeddingKind, MeasureError, Measured, Measurement, Object};
+use crate::accuracy::FlagCode;
+use crate::volume::{Mask, Shared};
+
+/// What says that a blur may have lost something.
+const DOUBTS: [FlagCode; 8] = [
+    FlagCode::DetailLost,
+    FlagCode::LargeError,
+    FlagCode::ThinForSigma,
+    FlagCode::NarrowGap,
+    FlagCode::CompensationFailed,
+    FlagCode::SurfaceVanished,
+    FlagCode::ThicknessAboveObject,
+    FlagCode::EulerDiffersFromVoxels,
+];
+
+/// Voxels from which on an object has a shape to speak of.
+const LEAST_VOXELS: u64 = 30;
+/// Surface, in faces of voxels, up to which an object is measured again without being asked: a second, and some 100 MB. Where
+/// all of a large network hangs together, corrections take a hundred times as long as its blur.
+const MOST_FACES: f64 = 65_536.0;
+
+impl Measurement {
+    /// As [`Measurement::run`]; but what the default choices are doubtful of is measured again in the recovering
+    /// embedding, and the numbers of smaller error count: those of the command line. Choices of the caller's own
+    /// are kept to.
+    ///
+    /// # Errors
+    /// Those of [`Measurement::run`].
+    ///
+    /// ```
+    /// use surfometry::{Measurement, measurement::EmbeddingKind, phantoms::Phantom};
+    /// // A rod of which a blur of two voxels leaves nothing.
+    /// let rod = Phantom::from_spec("capsule?radius=1.5&length=20&rotate=30,40,50")?;
+    /// let measured = Measurement::default().run_settled(rod.labels()?.mask(1))?;
+    /// assert_eq!(measured.parameters.embedding, EmbeddingKind::Recovering);
+    /// let exact = rod.truth().expect("a closed form").surface_area;
+    /// assert!((measured.surface_area_mm2.expect("an area") / exact - 1.0).abs() < 0.06);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn run_settled(&self, mask: impl Shared<Mask>) -> Result<Measured, MeasureError> {
+        let object = self.prepare(mask)?;
+        let measured = object.measure();
+        let Some(choices) = self.recovering() else { return Ok(measured) };
+        settled(&choices, object, measured).map(|(_, measured)| measured)
+    }
+
+    /// The choices by which doubtful objects are measured again; `None` where the blur is the caller's own choice.
+    pub(crate) fn recovering(&self) -> Option<Self> {
+        (*self == Self::default()).then(|| Self::default().embedding(EmbeddingKind::Recovering))
+    }
+}
+
+impl Measured {
+    /// Whether the object is to be measured again.
+    pub(crate) fn is_doubtful(&self) -> bool {
+        let spacing = self.grid.spacing_mm;
+        let face = spacing.iter().product::<f64>().cbrt().powi(2);
+        // Of an object that the blur left nothing of, no more than its voxels are known.
+        let unknown = 2.0 * self.voxels.count as f64;
+        let faces = self.blurred.surface_area_mm2.map_or(unknown, |area| area / face);
+        let feasible = self.voxels.count >= LEAST_VOXELS && faces <= MOST_FACES;
+        feasible && self.flags.iter().any(|flag| DOUBTS.contains(&flag.code))
+    }
+
+    /// Standard error of the area as a share of it; without bound where there is none.
+    fn error_of_area(&self) -> f64 {
+        let error = self.standard_error.surface_area_mm2.zip(self.surface_area_mm2);
+        error.map_or(f64::INFINITY, |(error, area)| error / area)
+    }
+}
+
+/// An object and its numbers, by other choices where it is doubtful and their errors are the smaller ones.
+pub(crate) fn settled(
+    choices: &Measurement,
+    object: Object,
+    measured: Measured,
+) -> Result<(Object, Measured), MeasureError> {
+    if !measured.is_doubtful() {
+        return Ok((object, measured));
+    }
+    let again = choices.prepare(object.mask())?.under(object.control());
+    let mut found = again.measure();
+    if found.error_of_area() >= measured.error_of_area() {
+        return Ok((object, measured));
+    }
+    found.timings = found.timings.plus(&measured.timings);
+    Ok((again, found))
+}
