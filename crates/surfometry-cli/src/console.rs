@@ -4,8 +4,7 @@ use crate::inputs::grey_image_warning;
 use crate::output::say;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::IsTerminal;
-use std::sync::Mutex;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 use surfometry::{Control, Event};
 
@@ -21,8 +20,8 @@ pub(crate) struct Voice {
 /// How long a run may take to stop after Ctrl-C before it is ended where it is: what was finished is written
 /// by then.
 const PATIENCE: Duration = Duration::from_millis(150);
-/// Whether what was finished is written at the end of the run, which is then waited for. Another Ctrl-C ends it.
-static WRITTEN_AT_END: AtomicBool = AtomicBool::new(false);
+/// What is done before a run is ended where it is.
+static BEFORE_THE_END: Mutex<Option<Box<dyn FnOnce() + Send>>> = Mutex::new(None);
 /// Exit status of a run that Ctrl-C ended, as shells have it.
 pub(crate) const INTERRUPTED: u8 = 130;
 
@@ -40,18 +39,20 @@ pub(crate) fn control(steps: usize, voice: Voice) -> Control {
         stopped.stop();
         std::thread::spawn(|| {
             std::thread::sleep(PATIENCE);
-            if !WRITTEN_AT_END.load(Ordering::SeqCst) {
-                say(STOPPED);
-                std::process::exit(i32::from(INTERRUPTED));
+            let last = BEFORE_THE_END.lock().unwrap_or_else(PoisonError::into_inner).take();
+            if let Some(last) = last {
+                last();
             }
+            say(STOPPED);
+            std::process::exit(i32::from(INTERRUPTED));
         });
     });
     control
 }
 
-/// Says that nothing is written before the run's end.
-pub(crate) fn written_at_end() {
-    WRITTEN_AT_END.store(true, Ordering::SeqCst);
+/// Has something done before a run that does not stop by itself is ended where it is.
+pub(crate) fn before_the_end(last: impl FnOnce() + Send + 'static) {
+    *BEFORE_THE_END.lock().unwrap_or_else(PoisonError::into_inner) = Some(Box::new(last));
 }
 
 /// What is said of a run that Ctrl-C ended.
@@ -69,7 +70,7 @@ fn show(event: &Event, bar: &ProgressBar, voice: Voice, warned: &Mutex<Vec<Strin
     let say_above = |text: &str| bar.suspend(|| say(text));
     let warn_once = |input: &str, labels: usize| {
         let Some(warning) = grey_image_warning(input, labels).filter(|_| !voice.quiet) else { return };
-        let mut warned = warned.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+        let mut warned = warned.lock().unwrap_or_else(PoisonError::into_inner);
         if !warned.iter().any(|name| name == input) {
             warned.push(input.to_owned());
             say_above(&warning);

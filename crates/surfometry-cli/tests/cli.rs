@@ -250,6 +250,31 @@ fn an_output_does_not_replace_an_input() {
     assert_eq!(refused.status.code(), Some(2));
     assert!(text(&refused.stderr).contains("would replace the input"), "{}", text(&refused.stderr));
     assert_eq!(std::fs::read(folder.path().join("a.nii")).unwrap(), before);
+    // Nor while a run goes on, under the name that its file has until then.
+    std::fs::copy(folder.path().join("a.nii"), folder.path().join("b.nii.partial")).unwrap();
+    let refused = run_in(folder.path(), &["measure", "b.nii.partial", "-o", "b.nii"]);
+    assert_eq!(refused.status.code(), Some(2), "{}", text(&refused.stderr));
+    assert_eq!(std::fs::read(folder.path().join("b.nii.partial")).unwrap(), before);
+}
+
+/// Either file of a pair stays as it is, whichever was named.
+#[test]
+fn an_output_does_not_replace_a_header() {
+    let folder = tempfile::tempdir().unwrap();
+    assert_eq!(run_in(folder.path(), &["phantom", "ball?radius=4", "-o", "a.nii"]).status.code(), Some(0));
+    let mut header = std::fs::read(folder.path().join("a.nii")).unwrap();
+    let voxels = header.split_off(352);
+    // A pair's magic and offset.
+    header[344..348].copy_from_slice(b"ni1\0");
+    header[108..112].copy_from_slice(&0_f32.to_le_bytes());
+    std::fs::write(folder.path().join("p.hdr"), &header).unwrap();
+    std::fs::write(folder.path().join("p.img"), voxels).unwrap();
+    assert_eq!(run_in(folder.path(), &["measure", "p.img"]).status.code(), Some(0));
+    for (input, output) in [("p.img", "p.hdr"), ("p.hdr", "p.img")] {
+        let refused = run_in(folder.path(), &["measure", input, "-o", output]);
+        assert_eq!(refused.status.code(), Some(2), "{}", text(&refused.stderr));
+    }
+    assert_eq!(std::fs::read(folder.path().join("p.hdr")).unwrap(), header);
 }
 
 /// A full stderr loses no results.

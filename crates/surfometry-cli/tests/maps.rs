@@ -165,7 +165,9 @@ fn no_output_takes_anothers_place() {
     let kinds = run_in(folder.path(), &["map", BALL, "--png", "p.png", "--picture", "slices,slices"]);
     assert_eq!(text(&kinds.stdout), "p.png\n");
     let gifti = run_in(folder.path(), &["map", BALL, "-o", "g.surf.gii", "-o", "g.gii"]);
-    assert_eq!(gifti.status.code(), Some(1));
+    assert_eq!(gifti.status.code(), Some(2));
+    let spelt = run_in(folder.path(), &["map", BALL, "-o", "z.ply", "-o", "./z.ply"]);
+    assert_eq!(spelt.status.code(), Some(2));
     let both = run_in(folder.path(), &["measure", BALL, "-o", "b.png", "--png", "b.png"]);
     assert_eq!(both.status.code(), Some(2));
 }

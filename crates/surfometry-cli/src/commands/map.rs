@@ -7,8 +7,9 @@ use crate::options::{CurvatureOptions, MeasureOptions};
 use crate::output::{MapSink, check_output, deliver, status};
 use crate::picture_options::{PictureOptions, distinct};
 use crate::values::one_of;
-use anyhow::{Result, bail};
+use anyhow::{Result, anyhow, bail};
 use std::path::{Path, PathBuf};
+use surfometry::io::mesh_paths;
 use surfometry::measurement::VoxelQuantity;
 use surfometry::runs::{Batch, FileLedger, MapFile, MapStyle, MapTask, Plan};
 
@@ -64,13 +65,15 @@ fn targets<'a>(paths: impl Iterator<Item = &'a PathBuf>, inputs: &[String]) -> R
     if all.is_empty() {
         bail!("say what to write: -o FILE, whose name ends in one of {}, .json", MapFile::EXTENSIONS);
     }
-    for (number, path) in all.iter().enumerate() {
+    // Of one object alone; of several, what tells their files apart is the same for all outputs.
+    let ledger = FileLedger::new(&[]);
+    for path in &all {
         check_output(Some(path), inputs)?;
-        if all[..number].contains(path) {
-            bail!("{}: named twice", path.display());
-        }
         if !is_json(path) && MapFile::of_path(path).is_none() {
             bail!("{}: the name must end in one of {}, .json", path.display(), MapFile::EXTENSIONS);
+        }
+        for file in mesh_paths(path).map_err(|error| anyhow!("{}: {error}", path.display()))? {
+            ledger.claim(&file)?;
         }
     }
     let (documents, files): (Vec<_>, Vec<_>) = all.into_iter().cloned().partition(|path| is_json(path));

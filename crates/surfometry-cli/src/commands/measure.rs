@@ -17,7 +17,7 @@ use surfometry::runs::{
 /// INPUT is a file (NIfTI, MetaImage, NRRD, NumPy), a pattern, or a built-in shape with known truth:
 /// phantom:NAME?key=value&... with NAME ball, ellipsoid, capsule, torus, rounded-box, shell, two-balls,
 /// genus, gyroid, schwarz-p, femur or vertebra and keys radius, radii, major, minor, length, inner, genus,
-/// period, size, individual, holes, spacing, rotate, shift, jitter. A closed mesh (STL, PLY) is put on the
+/// period, size, individual, holes, spacing, rotate, shift, jitter, flips. A closed mesh (STL, PLY) is put on the
 /// lattice of --spacing.
 ///
 /// Exit status: 0 all measured, 1 some inputs failed (they are listed, the others are measured), 2 the

@@ -64,7 +64,7 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
     let plan = Plan { explain_topology: ExplainTopology::Never, recover: false, ..plan };
     let inputs = expand(&args.inputs);
     check_output(args.results.path(), &inputs)?;
-    for (path, what) in [(&args.chart, "chart"), (&args.surfaces, "pictures")] {
+    for (path, what) in [(&args.chart, "chart"), (&args.surfaces, "picture")] {
         check_picture(args, path.as_deref(), what)?;
         check_output(path.as_deref(), &inputs)?;
     }

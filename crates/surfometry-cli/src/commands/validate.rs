@@ -2,13 +2,14 @@
 
 use super::ALL_DONE;
 use crate::console::progress_bar;
-use crate::output::{check_output, deliver, json_text, validation_table};
-use crate::values::positive;
+use crate::output::{check_output, deliver, json_text, rivalry_table, validation_table};
+use crate::values::{one_of, positive};
 use anyhow::{Result, bail};
 use clap::ValueEnum;
 use serde_json::json;
 use std::path::PathBuf;
-use surfometry::validation::{Validation, ZOO, summarise};
+use surfometry::runs::write_zoo;
+use surfometry::validation::{Noise, Validation, Zoo, against, summarise};
 
 /// Measure a zoo of shapes with exact truth, in many poses, and print how far off the numbers are
 ///
@@ -17,14 +18,20 @@ use surfometry::validation::{Validation, ZOO, summarise};
 /// defaults; local curvature with --curvature-sigma auto. Nothing is read but the program itself.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
-    /// R in units of the largest spacing
-    #[arg(long, value_name = "R,R", value_delimiter = ',', default_value = "10,20", value_parser = positive)]
-    resolutions: Vec<f64>,
+    /// Which shapes
+    #[arg(long, default_value = "bodies", value_parser = one_of::<Zoo>())]
+    zoo: Zoo,
+    /// What is done to their masks
+    #[arg(long, default_value = "none", value_parser = one_of::<Noise>())]
+    noise: Noise,
+    /// R in units of the largest spacing [default: 10,20; of thin shapes 1.5,2,2.5,3]
+    #[arg(long, value_name = "R,R", value_delimiter = ',', value_parser = resolution)]
+    resolutions: Option<Vec<f64>>,
     /// Largest over smallest spacing
     #[arg(long, value_name = "Q,Q", value_delimiter = ',', default_value = "1,3", value_parser = ratio)]
     ratios: Vec<f64>,
     /// Poses of each shape
-    #[arg(long, default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(long, default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=MOST_POSES))]
     poses: u32,
     /// Number of the first pose: other poses are other rotations, shifts and sizes
     #[arg(long, default_value_t = 0)]
@@ -32,6 +39,13 @@ pub(crate) struct Args {
     /// Shapes: those whose name has this in it; may be given several times [default: all]
     #[arg(long, value_name = "NAME")]
     shape: Vec<String>,
+    /// Write the phantoms into a folder as NIfTI instead, with truth.csv: for other programs to measure
+    #[arg(long, value_name = "FOLDER", conflicts_with_all = ["against", "output"])]
+    write: Option<PathBuf>,
+    /// Compare with another program's numbers for the phantoms of --write: a table whose column `input` has their
+    /// files' names, and the others the names of ours, volume_mm3, surface_area_mm2, total_mean_curvature_mm
+    #[arg(long, value_name = "FILE.csv")]
+    against: Option<PathBuf>,
     /// Integrals alone
     #[arg(long)]
     no_local: bool,
@@ -49,6 +63,15 @@ enum Format {
     Json,
 }
 
+/// Most poses of a shape, and voxels of a radius: 10^9 voxels an image.
+const MOST_POSES: i64 = 10_000;
+const MOST_RESOLUTION: f64 = 200.0;
+
+fn resolution(text: &str) -> Result<f64, String> {
+    let value = positive(text)?;
+    if value <= MOST_RESOLUTION { Ok(value) } else { Err(format!("at most {MOST_RESOLUTION} voxels")) }
+}
+
 fn ratio(text: &str) -> Result<f64, String> {
     let value = positive(text)?;
     if (1.0..=10.0).contains(&value) { Ok(value) } else { Err("it must lie between 1 and 10".to_owned()) }
@@ -57,20 +80,42 @@ fn ratio(text: &str) -> Result<f64, String> {
 pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
     check_output(args.output.as_deref(), &[])?;
     let validation = Validation {
-        resolutions: args.resolutions.clone(),
+        zoo: args.zoo,
+        noise: args.noise,
+        resolutions: args.resolutions.clone().unwrap_or_else(|| args.zoo.resolutions().to_vec()),
         ratios: args.ratios.clone(),
         poses: args.poses as usize,
         first_pose: args.first_pose as usize,
         shapes: args.shape.clone(),
-        local: !args.no_local,
+        local: !args.no_local && args.zoo == Zoo::Bodies && args.against.is_none(),
     };
     if validation.cases().is_empty() {
-        let names: Vec<&str> = ZOO.iter().map(|shape| shape.name).collect();
+        let names: Vec<&str> = args.zoo.shapes().iter().map(|shape| shape.name).collect();
         bail!("no shape is called like that; there are {}", names.join(", "));
     }
     let progress = progress_bar(validation.cases().len(), quiet);
+    if let Some(folder) = &args.write {
+        write_zoo(folder, &validation.made()?, |_| progress.inc(1))?;
+        progress.finish_and_clear();
+        return Ok(ALL_DONE);
+    }
     let results = validation.run(|| progress.inc(1))?;
     progress.finish_and_clear();
+    if let Some(path) = &args.against {
+        let rivalries = against(path, &validation.made()?, &results)?;
+        if rivalries.is_empty() {
+            bail!(
+                "{}: no row is of these phantoms; write them with --write, and the same other options",
+                path.display()
+            );
+        }
+        let text = match args.format {
+            Format::Table => rivalry_table(&rivalries),
+            Format::Json => json_text(&rivalries)?,
+        };
+        deliver(&text, args.output.as_deref())?;
+        return Ok(ALL_DONE);
+    }
     let summaries = summarise(&results);
     let text = match args.format {
         Format::Table => validation_table(&summaries),

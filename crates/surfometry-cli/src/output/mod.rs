@@ -3,6 +3,7 @@
 mod comparison_text;
 mod description_text;
 mod map_sink;
+mod page_sink;
 mod results;
 mod sweep_table;
 mod table;
@@ -12,11 +13,12 @@ mod validation_table;
 pub(crate) use comparison_text::comparison_text;
 pub(crate) use description_text::description_text;
 pub(crate) use map_sink::MapSink;
+pub(crate) use page_sink::PageSink;
 pub(crate) use results::{status, write_results};
 pub(crate) use sweep_table::sweep_tables;
 pub(crate) use table::{Layout, digits, flags_text, record_tables};
 pub(crate) use table_sink::{Legend, TableStyle};
-pub(crate) use validation_table::validation_table;
+pub(crate) use validation_table::{rivalry_table, validation_table};
 
 use anyhow::{Context, Result, bail};
 use serde::Serialize;
@@ -32,7 +34,13 @@ pub(crate) fn json_text(document: &impl Serialize) -> Result<String> {
 
 /// Says something on stderr. That it cannot be said, as on a full disk, is no reason to lose results.
 pub(crate) fn say(message: &str) {
-    let _ = writeln!(std::io::stderr(), "surfometry: {message}");
+    // Names of files may hold anything, what a terminal takes for commands too.
+    let is_plain = |c: char| !c.is_control() || c == '\n' || c == '\t';
+    let plain: String = message
+        .chars()
+        .flat_map(|c| if is_plain(c) { vec![c] } else { c.escape_default().collect() })
+        .collect();
+    let _ = writeln!(std::io::stderr(), "surfometry: {plain}");
 }
 
 /// Refuses, before anything is measured, an output that could not be written or that would replace an input.
@@ -46,10 +54,13 @@ pub(crate) fn check_output(file: Option<&Path>, inputs: &[String]) -> Result<()>
         bail!("{}: a folder; name a file in it", path.display());
     }
     // Its header's or its voxels' file; what cannot be opened has its own error later.
+    let mut unfinished = path.as_os_str().to_owned();
+    unfinished.push(".partial");
+    let outputs: Vec<PathBuf> =
+        [path, Path::new(&unfinished)].iter().filter_map(|path| path.canonicalize().ok()).collect();
     let same = |input: &String| {
-        let Ok(output) = path.canonicalize() else { return false };
-        let own = Path::new(input).canonicalize().is_ok_and(|i| i == output);
-        let is_there = |file: &PathBuf| file.canonicalize().is_ok_and(|i| i == output);
+        let is_there = |file: &PathBuf| file.canonicalize().is_ok_and(|i| outputs.contains(&i));
+        let own = is_there(&PathBuf::from(input));
         let options = OpenOptions { spacing: Some([1.0; 3]) };
         let parts = || open(input, &options).is_ok_and(|source| source.files().iter().any(is_there));
         own || (has_parts(input) && parts())

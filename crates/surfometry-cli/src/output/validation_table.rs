@@ -1,7 +1,8 @@
 //! The zoo's errors as a table for people.
 
 use super::Layout;
-use surfometry::validation::Summary;
+use surfometry::integrals::Globals;
+use surfometry::validation::{Rivalry, Summary};
 
 const COLUMNS: [&str; 15] = [
     "shape",
@@ -52,4 +53,27 @@ pub(crate) fn validation_table(summaries: &[Summary]) -> String {
            such shapes.\nV, A, M: the largest error over the poses, in % of the exact value, of the blurred and of the original object; \
            95 %: share of the original object's values within 1.96 standard errors.\nchi: the largest error of Gauss-Bonnet; ! where the mesh's differs. local H, K: rms error at \
            the vertices in % of 1/R and 1/R^2; place: rms distance from the exact surface in voxels; 95 % H K: share of the surface within the error bars.\n"
+}
+
+/// Another program's errors beside ours.
+pub(crate) fn rivalry_table(rivalries: &[Rivalry]) -> String {
+    let mut layout = Layout::new(&[
+        "shape", "R", "ratio", "poses", "V theirs", "ours", "A theirs", "ours", "M theirs", "ours",
+    ]);
+    for r in rivalries {
+        let cell = |spread: &surfometry::validation::Spread, part: fn(&Globals) -> f64| {
+            format!("{:+.2}, {:.2}", part(&spread.bias), part(&spread.rms))
+        };
+        let both = |part: fn(&Globals) -> f64| [cell(&r.theirs, part), cell(&r.ours, part)];
+        let mut row = vec![
+            r.shape.to_owned(),
+            format!("{}", r.resolution),
+            format!("{}", r.ratio),
+            r.cases.to_string(),
+        ];
+        row.extend([both(|g| g.volume), both(|g| g.area), both(|g| g.total_mean_curvature)].concat());
+        layout.row(row);
+    }
+    layout.text()
+        + "\nBias and rms over poses of the errors of V, A and M, in % of the exact value; NaN where there is no value.\n"
 }

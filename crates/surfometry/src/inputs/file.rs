@@ -48,8 +48,13 @@ impl Source for FileSource {
     fn files(&self) -> Vec<PathBuf> {
         let data = &self.header.data.path;
         // The same file under another name counts once.
-        let apart = data.canonicalize().ok() != self.path.canonicalize().ok();
-        [&self.path].into_iter().chain(apart.then_some(data)).cloned().collect()
+        let mut files: Vec<PathBuf> = Vec::new();
+        for file in [&self.path, &self.header.path, data] {
+            if files.iter().all(|known| known.canonicalize().ok() != file.canonicalize().ok()) {
+                files.push(file.clone());
+            }
+        }
+        files
     }
 
     fn flags(&self) -> Vec<Flag> {

@@ -34,6 +34,11 @@ impl GrowingFile {
         let mut name = target.file_name().map_or_else(OsString::new, OsString::from);
         name.push(".partial");
         let partial = target.with_file_name(name);
+        // Nobody but such a run makes a file of that name, and none a link.
+        if partial.is_symlink() {
+            let error = format!("{} is a link: remove it", partial.display());
+            return Err(io::Error::new(io::ErrorKind::AlreadyExists, error));
+        }
         let file = File::options().write(true).create(true).truncate(false).open(&partial)?;
         // An unfinished one of a run that was killed is written over, but not one that another run is at.
         if let Err(TryLockError::WouldBlock) = file.try_lock() {
@@ -187,6 +192,18 @@ impl Write for GrowingFile {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// What a link of the unfinished name leads to is not this run's.
+    #[test]
+    fn an_unfinished_name_is_no_link() {
+        let folder = tempfile::tempdir().unwrap();
+        let victim = folder.path().join("victim");
+        fs::write(&victim, "kept").unwrap();
+        std::os::unix::fs::symlink(&victim, folder.path().join("results.json.partial")).unwrap();
+        let refused = GrowingFile::create(&folder.path().join("results.json")).unwrap_err();
+        assert_eq!(refused.kind(), io::ErrorKind::AlreadyExists);
+        assert_eq!(fs::read(&victim).unwrap(), b"kept");
+    }
 
     #[test]
     fn it_takes_its_name_at_the_end_and_keeps_rights() {

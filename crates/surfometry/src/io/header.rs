@@ -149,6 +149,8 @@ impl VoxelData {
 /// A header, whatever its format.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ImageHeader {
+    /// The file that it stands in.
+    pub path: PathBuf,
     /// Format of the file.
     pub format: Format,
     /// Voxels along x, y, z.

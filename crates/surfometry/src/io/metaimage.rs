@@ -38,6 +38,7 @@ pub(super) fn read_header(path: &Path) -> Result<ImageHeader, ReadError> {
     let data = data(path, &keys, lines.position())?;
     let stated_spacing = spacing(&keys)?;
     Ok(ImageHeader {
+        path: path.to_owned(),
         format: Format::MetaImage,
         dimensions,
         scalar,

@@ -41,7 +41,7 @@ pub(super) fn read_header(path: &Path) -> Result<ImageHeader, ReadError> {
     let offset = if single { fields.vox_offset.max(fields.header_size + 4) } else { fields.vox_offset };
     // Of a pair, header and image may be compressed apart.
     let (data_path, (data_file, data_gzipped)) = if single {
-        (header_path, (file, gzipped))
+        (header_path.clone(), (file, gzipped))
     } else {
         if gzipped {
             compare_checksum(file)?;
@@ -50,6 +50,7 @@ pub(super) fn read_header(path: &Path) -> Result<ImageHeader, ReadError> {
         (data_path, data)
     };
     Ok(ImageHeader {
+        path: header_path,
         format: Format::Nifti,
         dimensions,
         scalar: fields.scalar()?,

@@ -29,6 +29,7 @@ pub(super) fn read_header(path: &Path) -> Result<ImageHeader, ReadError> {
     }
     let (scalar, order) = voxel_type(&header.dtype())?;
     Ok(ImageHeader {
+        path: path.to_owned(),
         format: Format::Npy,
         dimensions: three_dimensions(&shape)?,
         scalar,

@@ -38,6 +38,7 @@ pub(super) fn read_header(path: &Path) -> Result<ImageHeader, ReadError> {
     let Geometry { affine, stated_spacing } = geometry(&fields, &axes)?;
     let data = data(path, &fields, scalar, lines.position())?;
     Ok(ImageHeader {
+        path: path.to_owned(),
         format: Format::Nrrd,
         dimensions,
         scalar,

@@ -13,6 +13,7 @@ pub struct Phantom {
     pose: Pose,
     grid: Grid,
     jitter: f64,
+    flips: f64,
 }
 
 impl Phantom {
@@ -30,7 +31,13 @@ impl Phantom {
         check_made(dimensions)?;
         let mut affine = Affine::diagonal(spacing);
         affine.origin = std::array::from_fn(|a| -0.5 * (dimensions[a] - 1) as f64 * spacing[a]);
-        Ok(Self { shape: Box::new(shape), pose, grid: Grid::new(dimensions, affine)?, jitter: 0.0 })
+        Ok(Self {
+            shape: Box::new(shape),
+            pose,
+            grid: Grid::new(dimensions, affine)?,
+            jitter: 0.0,
+            flips: 0.0,
+        })
     }
 
     /// The same with slices along z that are shifted against each other in plane, as hand-drawn contours are,
@@ -38,6 +45,12 @@ impl Phantom {
     #[must_use]
     pub fn with_jitter(self, mm: f64) -> Self {
         Self { jitter: mm, ..self }
+    }
+
+    /// The same with a share of the voxels beside the boundary, by faces, changed into the other kind.
+    #[must_use]
+    pub fn with_flips(self, share: f64) -> Self {
+        Self { flips: share, ..self }
     }
 
     /// Exact integrals; `None` where their quadrature did not converge.
@@ -77,10 +90,23 @@ impl Phantom {
         let [nx, ..] = self.grid.dimensions();
         let mut chance = Chance::new(z as u64);
         let [dx, dy] = [(); 2].map(|()| chance.about_zero(2.0 * self.jitter));
+        let is_inside = |index: [f64; 3]| {
+            let world = self.grid.affine().apply(index);
+            self.shape.value(self.pose.to_shape([world[0] + dx, world[1] + dy, world[2]])) < 0.0
+        };
         for (n, voxel) in voxels.iter_mut().enumerate() {
-            let world = self.grid.affine().apply([n % nx, n / nx, z].map(|i| i as f64));
-            let world = [world[0] + dx, world[1] + dy, world[2]];
-            *voxel = u8::from(self.shape.value(self.pose.to_shape(world)) < 0.0);
+            let index = [n % nx, n / nx, z].map(|i| i as f64);
+            let inside = is_inside(index);
+            // One random number a voxel, whether it is needed or not.
+            let is_drawn = self.flips > 0.0 && chance.even() < self.flips;
+            let is_beside = || {
+                (0..6).any(|n| {
+                    let mut neighbour = index;
+                    neighbour[n / 2] += if n % 2 == 0 { 1.0 } else { -1.0 };
+                    is_inside(neighbour) != inside
+                })
+            };
+            *voxel = u8::from(inside != (is_drawn && is_beside()));
         }
     }
 }

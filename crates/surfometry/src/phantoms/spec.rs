@@ -22,7 +22,7 @@ pub const NAMES: [&str; 12] = [
     "vertebra",
 ];
 
-const POSE_KEYS: [&str; 4] = ["spacing", "rotate", "shift", "jitter"];
+const POSE_KEYS: [&str; 5] = ["spacing", "rotate", "shift", "jitter", "flips"];
 
 /// Why a phantom spec cannot be used.
 #[derive(Debug, Clone, PartialEq, Error)]
@@ -93,8 +93,12 @@ impl Phantom {
         let jitter = values.take("jitter", 0.0, "a standard deviation in mm, 0 or more", |text| {
             finite(text).filter(|&v| v >= 0.0)
         })?;
+        let flips =
+            values.take("flips", 0.0, "a share of the voxels beside the boundary, 0 to 1", |text| {
+                finite(text).filter(|v| (0.0..=1.0).contains(v))
+            })?;
         values.finish()?;
-        Ok(Self::new(shape, pose, spacing.unwrap_or(own))?.with_jitter(jitter))
+        Ok(Self::new(shape, pose, spacing.unwrap_or(own))?.with_jitter(jitter).with_flips(flips))
     }
 }
 

@@ -42,7 +42,10 @@ impl Task for ReportTask {
         let reading = Reading::of(input, &self.plan)?;
         for object in reading.objects() {
             let room = MOST_TRIANGLES.saturating_sub(self.shown.load(Ordering::Relaxed) as usize);
-            let section = ObjectReport::of(&object?, room)?;
+            let object = object?;
+            object.surface();
+            input.control.check()?;
+            let section = ObjectReport::of(&object, room)?;
             input.control.check()?;
             let shown = section.triangles().filter(|_| section.scene.is_some());
             self.shown.fetch_add(shown.unwrap_or_default(), Ordering::Relaxed);

@@ -1,15 +1,16 @@
-//! A cohort of phantoms as files, with a table of their exact integrals.
+//! Phantoms as files, with a table of their exact integrals: a cohort of bones, or the zoo.
 
 use super::RunError;
 use crate::inputs::{OpenOptions, open};
 use crate::io::{write_labels, write_whole};
 use crate::phantoms::{CohortMember, Truth};
+use crate::validation::MadeCase;
 use crate::volume::LabelImage;
 use serde::{Deserialize, Serialize};
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// A bone of a cohort that was written.
+/// A phantom that was written.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CohortFile {
     /// Where its labels are.
@@ -18,7 +19,7 @@ pub struct CohortFile {
     pub truth: Truth,
 }
 
-/// What `truth.csv` says of a bone; columns are named as those of `measure`, so that `compare` takes it.
+/// What `truth.csv` says of a phantom; columns are named as those of `measure`, so that `compare` takes it.
 #[derive(Debug, Serialize, Deserialize)]
 struct TruthRow {
     input: String,
@@ -31,6 +32,48 @@ struct TruthRow {
     phantom: String,
 }
 
+/// A phantom to be written.
+trait Member {
+    /// Of its file, without the ending.
+    fn name(&self) -> String;
+
+    /// What it is; where a file of the same is there already, it is left as it is.
+    fn spec(&self) -> String;
+
+    fn made(&self) -> Result<(LabelImage, Truth), RunError>;
+}
+
+impl Member for CohortMember {
+    fn name(&self) -> String {
+        self.name.clone()
+    }
+
+    fn spec(&self) -> String {
+        self.spec.clone()
+    }
+
+    fn made(&self) -> Result<(LabelImage, Truth), RunError> {
+        let source = open(&self.spec, &OpenOptions::default())?;
+        let image = LabelImage::from_slabs(&mut source.slabs()?)?;
+        let truth = source.truth();
+        Ok((image, truth.ok_or(RunError::Unfit("a bone's exact integrals do not converge"))?))
+    }
+}
+
+impl Member for MadeCase {
+    fn name(&self) -> String {
+        self.case.name()
+    }
+
+    fn spec(&self) -> String {
+        self.case.name()
+    }
+
+    fn made(&self) -> Result<(LabelImage, Truth), RunError> {
+        Ok((self.phantom.labels()?, self.truth))
+    }
+}
+
 /// Writes a cohort's labels and `truth.csv` into a folder, which is made where it is not there; bones that
 /// are there already, with their row in the table, are left as they are. `told` hears each bone's name before
 /// it is made.
@@ -40,6 +83,26 @@ struct TruthRow {
 pub fn write_cohort(
     folder: &Path,
     members: &[CohortMember],
+    told: impl FnMut(&str),
+) -> Result<Vec<CohortFile>, RunError> {
+    write_members(folder, members, told)
+}
+
+/// The same with the phantoms of the zoo ([`Validation`](crate::validation::Validation)), for other programs to measure.
+///
+/// # Errors
+/// [`RunError`].
+pub fn write_zoo(
+    folder: &Path,
+    cases: &[MadeCase],
+    told: impl FnMut(&str),
+) -> Result<Vec<CohortFile>, RunError> {
+    write_members(folder, cases, told)
+}
+
+fn write_members(
+    folder: &Path,
+    members: &[impl Member],
     mut told: impl FnMut(&str),
 ) -> Result<Vec<CohortFile>, RunError> {
     let failed = |path: &Path, source: io::Error| RunError::Write { path: path.to_owned(), source };
@@ -48,10 +111,11 @@ pub fn write_cohort(
     let known = known_rows(&table);
     let (mut rows, mut files): (Vec<TruthRow>, Vec<CohortFile>) = (Vec::new(), Vec::new());
     for member in members {
-        told(&member.name);
-        let input = format!("{}.nii.gz", member.name);
+        let (name, spec) = (member.name(), member.spec());
+        told(&name);
+        let input = format!("{name}.nii.gz");
         let path = folder.join(&input);
-        let row = known.iter().find(|row| row.phantom == member.spec && path.exists());
+        let row = known.iter().find(|row| row.phantom == spec && path.exists());
         let truth = match row {
             Some(row) => Truth::new(
                 row.volume_mm3,
@@ -59,7 +123,11 @@ pub fn write_cohort(
                 row.total_mean_curvature_mm,
                 row.euler_characteristic,
             ),
-            None => write_bone(member, &path)?,
+            None => {
+                let (image, truth) = member.made()?;
+                write_labels(&path, &image).map_err(|e| failed(&path, e))?;
+                truth
+            }
         };
         rows.push(TruthRow {
             input,
@@ -69,20 +137,13 @@ pub fn write_cohort(
             total_mean_curvature_mm: truth.total_mean_curvature,
             average_mean_curvature_per_mm: truth.average_mean_curvature,
             euler_characteristic: truth.euler_characteristic,
-            phantom: member.spec.clone(),
+            phantom: spec,
         });
-        // After each bone, so that a run that is stopped loses one.
+        // After each, so that a run that is stopped loses one.
         write_rows(&table, &rows).map_err(|e| failed(&table, e))?;
         files.push(CohortFile { path, truth });
     }
     Ok(files)
-}
-
-fn write_bone(member: &CohortMember, path: &Path) -> Result<Truth, RunError> {
-    let source = open(&member.spec, &OpenOptions::default())?;
-    let image = LabelImage::from_slabs(&mut source.slabs()?)?;
-    write_labels(path, &image).map_err(|source| RunError::Write { path: path.to_owned(), source })?;
-    source.truth().ok_or(RunError::Unfit("the exact integrals of a bone of this cohort do not converge"))
 }
 
 /// Rows of an earlier run; none where there is no table, or another one.

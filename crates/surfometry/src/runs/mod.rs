@@ -30,7 +30,7 @@ mod sweep;
 mod sweep_chart;
 
 pub use batch::{Batch, Collected, Item, Opened, Outcome, Sink, Task};
-pub use cohort_files::{CohortFile, write_cohort};
+pub use cohort_files::{CohortFile, write_cohort, write_zoo};
 pub use document::{CsvSink, JsonLinesSink, JsonSink, Row};
 pub use error::RunError;
 #[cfg(feature = "pictures")]

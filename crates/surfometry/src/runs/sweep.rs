@@ -156,6 +156,13 @@ impl SweepTask {
         for &value in &self.values {
             self.plan_at(value).check()?;
         }
+        let mut names: Vec<String> = self.values.iter().map(|&value| significant(value, 6)).collect();
+        names.dedup();
+        if self.surfaces.is_some() && names.len() < self.values.len() {
+            return Err(RunError::Unfit(
+                "values so close have the same six digits, by which their pictures are named: take fewer, or a wider range",
+            ));
+        }
         let columns = Record::columns();
         let asked = self.chart.iter().flat_map(|chart| &chart.measures);
         match asked.into_iter().find(|name| !columns.contains(name)) {

@@ -28,8 +28,7 @@ impl Surface {
     /// Extracts the surface of a scheme's embedding and differentiates it at the vertices, tile by tile, in
     /// parallel.
     ///
-    /// `band` says where the gradient has collapsed. Once the control says stop, the rest of the tiles is
-    /// left out.
+    /// `band` says where the gradient has collapsed. Once the control says stop, nothing comes of it.
     pub(crate) fn of<D: Differentiation>(
         scheme: &D,
         grid: &Grid,
@@ -74,6 +73,9 @@ impl Surface {
         };
         let (meshes, (geometry, differences)): (Vec<TileMesh>, (Vec<_>, Vec<_>)) =
             limits.tiles(TILE).par_iter().map(part).unzip();
+        if control.is_stopped() {
+            return Self::default();
+        }
         let mesh = stitched(&meshes, grid);
         drop(meshes);
         let still = matches!(extras, VertexExtras::Shift { .. }).then_some(0.0);

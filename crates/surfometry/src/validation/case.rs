@@ -2,8 +2,10 @@
 
 use super::ZooShape;
 use super::poses::UnitPose;
+use crate::Choice;
+use crate::choice::choices;
 use crate::integrals::Globals;
-use crate::measurement::{CurvatureScale, MeasureError, Measured, Measurement, SurfaceValues};
+use crate::measurement::{CurvatureScale, EmbeddingKind, MeasureError, Measured, Measurement, SurfaceValues};
 use crate::phantoms::{Phantom, Pose, SurfacePoint, Truth};
 use crate::volume::Mask;
 use serde::Serialize;
@@ -17,8 +19,45 @@ pub struct Case {
     pub resolution: f64,
     /// Largest over smallest spacing.
     pub ratio: f64,
+    /// Number of the pose.
+    pub number: usize,
     /// Rotation, shift and size.
     pub pose: UnitPose,
+    /// What is done to the mask.
+    pub noise: Noise,
+}
+
+/// What is done to the masks of phantoms, as happens to those of scans.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Noise {
+    /// Nothing.
+    #[default]
+    None,
+    /// 1 % of the voxels beside the boundary are changed into the other kind.
+    OnePercent,
+    /// 5 % of them.
+    FivePercent,
+    /// Slices along z lie off by half a voxel in plane, as a standard deviation, as hand-drawn contours do.
+    Slices,
+}
+
+choices!(Noise, "noise": {
+    None = "none": "masks as they are",
+    OnePercent = "flips-1": "1 % of the voxels beside the boundary changed",
+    FivePercent = "flips-5": "5 % of them",
+    Slices = "slices": "slices off by half a voxel in plane (standard deviation), as drawn by hand",
+});
+
+impl Noise {
+    fn of(self, phantom: Phantom) -> Phantom {
+        let [h, ..] = phantom.grid().spacing().mm();
+        match self {
+            Self::None => phantom,
+            Self::OnePercent => phantom.with_flips(0.01),
+            Self::FivePercent => phantom.with_flips(0.05),
+            Self::Slices => phantom.with_jitter(0.5 * h),
+        }
+    }
 }
 
 /// Local curvature at the vertices of the corrected surface, against that of the exact surface beside them;
@@ -54,6 +93,10 @@ pub struct CaseResult {
     pub sigma_over_radius: f64,
     /// Rotation, shift and size.
     pub pose: UnitPose,
+    /// What was done to the mask.
+    pub noise: Noise,
+    /// The embedding that its numbers are of.
+    pub embedding: EmbeddingKind,
     /// Errors of the blurred object in %; of M, where M itself is small, as of minimal surfaces, in % of A / R.
     pub blurred: Globals,
     /// The same of the original object.
@@ -66,6 +109,25 @@ pub struct CaseResult {
     pub mesh_euler_characteristic: i64,
     /// Local curvature, where it was asked for.
     pub local: Option<LocalErrors>,
+}
+
+/// A case ready to be sampled.
+pub struct MadeCase {
+    /// The case.
+    pub case: Case,
+    /// The shape on its grid.
+    pub phantom: Phantom,
+    /// Its exact integrals.
+    pub truth: Truth,
+    /// 1/R, 1/mm.
+    curvature: f64,
+}
+
+impl MadeCase {
+    /// Errors of values that somebody had of it, in % as those of [`CaseResult::original`].
+    pub fn errors(&self, values: &SurfaceValues) -> Globals {
+        relative_errors(values, &self.truth, self.curvature)
+    }
 }
 
 /// What is known of a shape in its unit size.
@@ -89,36 +151,56 @@ impl Unit {
 /// Most vertices at which local curvature is compared: the rest says the same.
 const MOST_VERTICES: usize = 20_000;
 
+/// V, A and M, measured less exact, in %; NaN where there is no value. Where the integral of H nearly cancels, its error is
+/// told in terms of what would not, A / R.
+pub(super) fn relative_errors(values: &SurfaceValues, truth: &Truth, curvature: f64) -> Globals {
+    let exact_mean = truth.total_mean_curvature.abs().max(0.25 * truth.surface_area * curvature);
+    let percent =
+        |value: Option<f64>, exact: f64, unit: f64| value.map_or(f64::NAN, |v| 100.0 * (v - exact) / unit);
+    let mean = percent(values.total_mean_curvature_mm, truth.total_mean_curvature, exact_mean);
+    Globals {
+        volume: percent(values.volume_mm3, truth.volume, truth.volume),
+        area: percent(values.surface_area_mm2, truth.surface_area, truth.surface_area),
+        total_mean_curvature: mean * truth.total_mean_curvature.signum(),
+    }
+}
+
 impl Case {
+    /// What its file is called, without an ending: shape, R and ratio, pose, noise.
+    pub fn name(&self) -> String {
+        let letters = |c: char| if c.is_ascii_alphanumeric() || c == '.' { c } else { '-' };
+        let shape: String = self.shape.name.chars().map(letters).collect();
+        let noise = if self.noise == Noise::None { String::new() } else { format!("_{}", self.noise.word()) };
+        format!("{shape}_R{}_ratio{}_pose{}{noise}", self.resolution, self.ratio, self.number)
+    }
+
+    /// The phantom with its exact integrals.
+    pub(super) fn made(&self, unit: &Unit) -> Result<MadeCase, MeasureError> {
+        let (phantom, scale) = self.phantom(unit)?;
+        Ok(MadeCase {
+            case: *self,
+            phantom,
+            truth: unit.truth.scaled(scale),
+            curvature: unit.curvature / scale,
+        })
+    }
+
     /// The phantom, in mm with a largest spacing of 1, and how many times its unit's size it has.
     fn phantom(&self, unit: &Unit) -> Result<(Phantom, f64), MeasureError> {
         let spacing = [1.0, 1.0 / self.ratio.sqrt(), 1.0 / self.ratio];
         let UnitPose { degrees, shift, size } = self.pose;
         let pose = Pose::new(degrees, std::array::from_fn(|a| shift[a] * spacing[a]));
-        let scale = size * self.resolution * unit.curvature;
-        Ok((Phantom::new((self.shape.make)(scale), pose, spacing)?, scale))
+        let radius = if self.shape.thin { 1.0 } else { 1.0 / unit.curvature };
+        let scale = size * self.resolution / radius;
+        Ok((self.noise.of(Phantom::new((self.shape.make)(scale), pose, spacing)?), scale))
     }
 
     pub(super) fn run(&self, unit: &Unit, local: bool) -> Result<CaseResult, MeasureError> {
         let (phantom, scale) = self.phantom(unit)?;
         let (truth, curvature) = (unit.truth.scaled(scale), unit.curvature / scale);
         let mask = phantom.labels()?.mask(1);
-        let measured = Measurement::default().run(&mask)?;
-        // Where the integral of H nearly cancels, its error is told in terms of what would not.
-        let exact_mean = truth.total_mean_curvature.abs().max(0.25 * truth.surface_area * curvature)
-            * truth.total_mean_curvature.signum();
-        let percent = |value: Option<f64>, exact: f64, unit: f64| {
-            value.map_or(f64::NAN, |v| 100.0 * (v - exact) / unit)
-        };
-        let errors = |values: &SurfaceValues| Globals {
-            volume: percent(values.volume_mm3, truth.volume, truth.volume),
-            area: percent(values.surface_area_mm2, truth.surface_area, truth.surface_area),
-            total_mean_curvature: percent(
-                values.total_mean_curvature_mm,
-                truth.total_mean_curvature,
-                exact_mean,
-            ),
-        };
+        let measured = Measurement::default().run_settled(&mask)?;
+        let errors = |values: &SurfaceValues| relative_errors(values, &truth, curvature);
         let chi = truth.euler_characteristic;
         Ok(CaseResult {
             shape: self.shape.name,
@@ -127,6 +209,8 @@ impl Case {
             ratio: self.ratio,
             sigma_over_radius: measured.parameters.sigma_mm.unwrap_or(f64::NAN) * curvature,
             pose: self.pose,
+            noise: self.noise,
+            embedding: measured.parameters.embedding,
             blurred: errors(&measured.blurred),
             original: errors(&measured.values),
             standardised: standardised(&measured, &truth),

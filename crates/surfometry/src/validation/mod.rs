@@ -17,12 +17,16 @@
 
 mod case;
 mod poses;
+#[cfg(feature = "io")]
+mod rival;
 mod summary;
 mod zoo;
 
-pub use case::{Case, CaseResult, LocalErrors};
+pub use case::{Case, CaseResult, LocalErrors, MadeCase, Noise};
+#[cfg(feature = "io")]
+pub use rival::{Rivalry, Spread, against};
 pub use summary::{Summary, summarise};
-pub use zoo::{ZOO, ZooShape};
+pub use zoo::{THIN_ZOO, ZOO, Zoo, ZooShape};
 
 use crate::measurement::MeasureError;
 use case::Unit;
@@ -33,6 +37,10 @@ use std::collections::BTreeMap;
 /// What is measured.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Validation {
+    /// Which shapes.
+    pub zoo: Zoo,
+    /// What is done to their masks.
+    pub noise: Noise,
     /// R = 1 / rms of the larger principal curvature, in units of the largest spacing.
     pub resolutions: Vec<f64>,
     /// Ratio of the largest to the smallest spacing; the second of three lies between.
@@ -52,7 +60,9 @@ impl Default for Validation {
     /// R = 10 and 20 voxels, cubic voxels and thick slices, three poses.
     fn default() -> Self {
         Self {
-            resolutions: vec![10.0, 20.0],
+            zoo: Zoo::default(),
+            noise: Noise::default(),
+            resolutions: Zoo::default().resolutions().to_vec(),
             ratios: vec![1.0, 3.0],
             poses: 3,
             first_pose: 0,
@@ -70,7 +80,15 @@ impl Validation {
             for &resolution in &self.resolutions {
                 for &ratio in &self.ratios {
                     let poses = self.first_pose..self.first_pose + self.poses;
-                    cases.extend(poses.map(|number| Case { shape, resolution, ratio, pose: pose(number) }));
+                    let noise = self.noise;
+                    cases.extend(poses.map(|number| Case {
+                        shape,
+                        resolution,
+                        ratio,
+                        number,
+                        pose: pose(number),
+                        noise,
+                    }));
                 }
             }
         }
@@ -79,7 +97,21 @@ impl Validation {
 
     fn wanted(&self) -> impl Iterator<Item = &'static ZooShape> + '_ {
         let named = |shape: &&ZooShape| self.shapes.iter().any(|part| shape.name.contains(part.as_str()));
-        ZOO.iter().filter(move |shape| self.shapes.is_empty() || named(shape))
+        self.zoo.shapes().iter().filter(move |shape| self.shapes.is_empty() || named(shape))
+    }
+
+    /// All cases as phantoms, for whoever measures them: in the order of [`Validation::cases`].
+    ///
+    /// # Errors
+    /// [`MeasureError`] of a case whose grid is too large.
+    pub fn made(&self) -> Result<Vec<MadeCase>, MeasureError> {
+        let units = self.units();
+        self.cases().iter().map(|case| case.made(&units[case.shape.name])).collect()
+    }
+
+    /// By shape: the truth of a shape is that of its unit, scaled.
+    fn units(&self) -> BTreeMap<&'static str, Unit> {
+        self.wanted().par_bridge().map(|shape| (shape.name, Unit::of(shape))).collect()
     }
 
     /// Measures all cases; `progress` is told after each, from whichever thread.
@@ -87,9 +119,7 @@ impl Validation {
     /// # Errors
     /// [`MeasureError`] of a case that cannot be measured.
     pub fn run(&self, progress: impl Fn() + Sync) -> Result<Vec<CaseResult>, MeasureError> {
-        // The truth of a shape is that of its unit, scaled.
-        let units: BTreeMap<_, _> =
-            self.wanted().par_bridge().map(|shape| (shape.name, Unit::of(shape))).collect();
+        let units = self.units();
         let run = |case: &Case| {
             let result = case.run(&units[case.shape.name], self.local);
             progress();

@@ -1,7 +1,9 @@
 //! The shapes.
 
+use crate::choice::choices;
 use crate::phantoms::{
-    Ball, Capsule, Ellipsoid, Genus, MinimalSurface, Periodic, RoundedBox, Shape, Shell, Torus, TwoBalls,
+    Ball, Capsule, Ellipsoid, Genus, Helix, MinimalSurface, Periodic, RoundedBox, Shape, Shell, Struts,
+    Torus, TwoBalls,
 };
 
 /// A shape that can be had in any size.
@@ -17,11 +19,63 @@ pub struct ZooShape {
     pub smooth: bool,
     /// Whether the surface is a ball's, or balls', whose curvature is the same everywhere.
     pub spherical: bool,
+    /// Whether it is thin: R is half its thickness then, which is 1 in its unit.
+    pub thin: bool,
+}
+
+/// Which shapes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Zoo {
+    /// Those that a blur of two voxels keeps at R = 10.
+    #[default]
+    Bodies,
+    /// Tubes, plates, shells, networks, lesions: R is half their thickness.
+    Thin,
+}
+
+choices!(Zoo, "zoo": {
+    Bodies = "bodies": "bodies and surfaces of which R is a radius of curvature",
+    Thin = "thin": "tubes, plates, shells, networks and lesions, of which R is half the thickness",
+});
+
+impl Zoo {
+    /// R in voxels at which they are looked at where nothing else is said.
+    pub fn resolutions(self) -> &'static [f64] {
+        match self {
+            Self::Bodies => &[10.0, 20.0],
+            Self::Thin => &[1.5, 2.0, 2.5, 3.0],
+        }
+    }
+
+    /// Its shapes.
+    pub fn shapes(self) -> &'static [ZooShape] {
+        match self {
+            Self::Bodies => &ZOO,
+            Self::Thin => &THIN_ZOO,
+        }
+    }
 }
 
 const fn shape(name: &'static str, make: fn(f64) -> Box<dyn Shape>) -> ZooShape {
-    ZooShape { name, make, tuned: false, smooth: true, spherical: false }
+    ZooShape { name, make, tuned: false, smooth: true, spherical: false, thin: false }
 }
+
+const fn thin(name: &'static str, make: fn(f64) -> Box<dyn Shape>) -> ZooShape {
+    ZooShape { thin: true, ..shape(name, make) }
+}
+
+/// What is thin, in units of half its thickness.
+pub const THIN_ZOO: [ZooShape; 9] = [
+    thin("lesion", |s| Box::new(Ball { radius: s })),
+    thin("tube", |s| Box::new(Capsule { radius: s, length: 14.0 * s })),
+    thin("ring", |s| Box::new(Torus { major: 5.0 * s, minor: s })),
+    thin("coil", |s| Box::new(Helix { radius: s, coil: 4.0 * s, pitch: 6.0 * s, turns: 1.5 })),
+    thin("tree", |s| Box::new(Struts::tree(s))),
+    thin("lattice", |s| Box::new(Struts::lattice(s, 7.0 * s, 2))),
+    thin("plate", |s| Box::new(Genus { genus: 0, major: 6.0 * s, minor: s })),
+    thin("flat ellipsoid", |s| Box::new(Ellipsoid { radii: [5.0 * s, 4.0 * s, s] })),
+    thin("thin shell", |s| Box::new(Shell { radius: 9.0 * s, inner: 7.0 * s })),
+];
 
 /// The zoo. Sizes are such that shapes keep their kind, not their volume.
 pub const ZOO: [ZooShape; 13] = [

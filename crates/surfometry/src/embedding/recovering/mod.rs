@@ -132,7 +132,7 @@ impl Recovery {
             noisy: evidence.noisy,
             ..Corrections::default()
         };
-        if listed.len() > MOST_LISTED {
+        if listed.len() > MOST_LISTED || self.is_wider_than(mask) {
             listed.clear();
         }
         found.refused = found.violated - listed.len() as u64;
@@ -161,6 +161,12 @@ impl Recovery {
             })
             .collect();
         found
+    }
+
+    /// Whether the kernel is wider than all of an object, so that corrections would see nothing of its shape.
+    fn is_wider_than(&self, mask: &Mask) -> bool {
+        let edges = mask.bounds().extent().into_iter().zip(mask.grid().spacing().mm());
+        self.sigma > edges.map(|(voxels, h)| 0.5 * voxels as f64 * h).fold(0.0, f64::max)
     }
 
     /// What is wrong at first, without what looks like noise.

@@ -163,10 +163,16 @@ fn noise_is_not_recovered() {
         assert!(!clean.noisy && clean.noise[0] < 0.01 && clean.left == 0 && clean.refused == 0, "{clean:?}");
         let noisy = recovery(2.0, Price::FromEvidence).corrections(&flipped(&body, 30));
         assert!(noisy.noisy && noisy.noise[0] > 0.03 && noisy.refused > 50, "{noisy:?}");
-        assert!(
-            noisy.amounts.len() < 5 && noisy.left == noisy.violated - noisy.amounts.len() as u64,
-            "{noisy:?}"
-        );
+        // What is refused makes the surface no larger; what is believed hardly does.
+        let area = |mask: &Mask, price: Price| {
+            let corrected = CorrectedMask::new(mask.clone(), recovery(2.0, price).corrections(mask).amounts);
+            let embedding = GaussianEmbedding::corrected(&corrected, 2.0, TRUNCATION_OF_BLUR);
+            crate::surface::extract(&embedding, mask.grid()).area()
+        };
+        let [believed, strict] = [Price::FromEvidence, Price::Strict]
+            .map(|price| area(&flipped(&body, 30), price) / area(&body, Price::Strict) - 1.0);
+        println!("area of a mask of which 3 % are flipped: {believed:+.3}, strictly {strict:+.3}");
+        assert!(believed.abs() < 0.02 && strict > 0.08);
         let tube = recovery(3.0, Price::FromEvidence).corrections(&mask_of(spacing, 19.0, capsule(2.0)));
         assert!(tube.refused == 0 && tube.left * 50 < tube.violated, "{tube:?}");
     }
@@ -198,4 +204,13 @@ fn threads_change_no_bit() {
     let one = with(1);
     assert!(!one.amounts.is_empty());
     assert_eq!(one, with(2));
+}
+
+/// A kernel wider than the object sees nothing of its shape, and would be solved for without end.
+#[test]
+fn a_kernel_wider_than_the_object_corrects_nothing() {
+    let mask = mask_of([1.0; 3], 12.0, |p| length(p) < 9.0);
+    let found = recovery(11.0, Price::Strict).corrections(&mask);
+    assert!(found.amounts.is_empty() && found.left > 0);
+    assert_eq!(found.refused, found.violated);
 }

@@ -1,0 +1,107 @@
+//! A page that is written while a run goes on.
+
+use super::say;
+use anyhow::{Context, Result};
+use std::io;
+use std::path::PathBuf;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use surfometry::io::ResultOutput;
+use surfometry::report::{HashedInput, ObjectReport, Provenance, Report, ReportPart, render};
+use surfometry::runs::{Failure, Sink};
+
+/// Takes the sections of a page. What was finished is in `NAME.partial` after the first, second, fourth, eighth
+/// object and so on, for a page is rendered as a whole, and whenever [`PageSink::save`] is called.
+#[derive(Clone)]
+pub(crate) struct PageSink(Arc<Mutex<Page>>);
+
+struct Page {
+    path: PathBuf,
+    title: String,
+    out: Option<ResultOutput>,
+    objects: Vec<ObjectReport>,
+    sources: Vec<HashedInput>,
+    failures: Vec<Failure>,
+}
+
+impl PageSink {
+    pub(crate) fn new(path: PathBuf, title: String) -> Self {
+        let page =
+            Page { path, title, out: None, objects: Vec::new(), sources: Vec::new(), failures: Vec::new() };
+        Self(Arc::new(Mutex::new(page)))
+    }
+
+    fn page(&self) -> MutexGuard<'_, Page> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Writes what there is under the name of an unfinished file.
+    pub(crate) fn save(&self) {
+        let mut page = self.page();
+        if let Err(error) = page.save() {
+            say(&format!("{}: cannot be written: {error}", page.path.display()));
+        }
+    }
+
+    /// Gives the page its name, unless the run was stopped; whether there is one.
+    pub(crate) fn finish(&self, stopped: bool) -> Result<bool> {
+        let mut page = self.page();
+        let name = format!("{}: cannot be written", page.path.display());
+        page.save().with_context(|| name.clone())?;
+        let Some(mut out) = page.out.take() else { return Ok(false) };
+        if !stopped || out.partial().is_none() {
+            let text = page.text()?;
+            out.write_secured(text.as_bytes(), b"").and_then(|()| out.finish()).with_context(|| name)?;
+        }
+        Ok(true)
+    }
+}
+
+impl Page {
+    fn text(&mut self) -> io::Result<String> {
+        let command: Vec<String> = std::env::args().collect();
+        let report = Report {
+            title: self.title.clone(),
+            objects: std::mem::take(&mut self.objects),
+            failures: self.failures.clone(),
+            provenance: Provenance::new(command.join(" "), self.sources.clone()),
+        };
+        let text = render(&report).map_err(io::Error::other);
+        self.objects = report.objects;
+        text
+    }
+
+    fn save(&mut self) -> io::Result<()> {
+        if self.objects.is_empty() {
+            return Ok(());
+        }
+        let text = self.text()?;
+        let out = match self.out.take() {
+            Some(out) => out,
+            None => ResultOutput::create(&self.path)?,
+        };
+        let out = self.out.insert(out);
+        // A pipe takes a page once, at the end.
+        if out.partial().is_some() { out.write_secured(b"", text.as_bytes()) } else { Ok(()) }
+    }
+}
+
+impl Sink<ReportPart> for PageSink {
+    fn row(&mut self, part: ReportPart) -> io::Result<()> {
+        let mut page = self.page();
+        match part {
+            ReportPart::Object(object) => {
+                page.objects.push(*object);
+                if page.objects.len().is_power_of_two() { page.save() } else { Ok(()) }
+            }
+            ReportPart::Source(source) => {
+                page.sources.push(source);
+                Ok(())
+            }
+        }
+    }
+
+    fn failure(&mut self, failure: Failure) -> io::Result<()> {
+        self.page().failures.push(failure);
+        Ok(())
+    }
+}

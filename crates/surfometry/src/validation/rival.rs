@@ -1,0 +1,100 @@
+//! Another program's numbers for the phantoms of the zoo, beside ours.
+
+use super::{CaseResult, MadeCase};
+use crate::comparison::{Table, TableError};
+use crate::integrals::Globals;
+use crate::measurement::SurfaceValues;
+use serde::Serialize;
+use std::collections::HashMap;
+use std::path::Path;
+
+/// Mean and rms of the errors over poses, in %.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Spread {
+    /// Their mean.
+    pub bias: Globals,
+    /// The root of the mean of their squares.
+    pub rms: Globals,
+}
+
+/// A shape on one kind of grid, by both.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Rivalry {
+    /// Shape.
+    pub shape: &'static str,
+    /// R in units of the largest spacing.
+    pub resolution: f64,
+    /// Largest over smallest spacing.
+    pub ratio: f64,
+    /// Poses that the other has a row of; the rest does not count in either.
+    pub cases: usize,
+    /// The other's errors.
+    pub theirs: Spread,
+    /// Ours on the same.
+    pub ours: Spread,
+}
+
+/// Compares a table, whose column `input` names the files of
+/// [`write_zoo`](crate::runs::write_zoo) and whose other columns are named as ours (`volume_mm3`, `surface_area_mm2`,
+/// `total_mean_curvature_mm`; a missing one is NaN), with our results of the same cases, in their order.
+///
+/// # Errors
+/// [`TableError`] of a table that cannot be read.
+pub fn against(path: &Path, made: &[MadeCase], ours: &[CaseResult]) -> Result<Vec<Rivalry>, TableError> {
+    let table = Table::read(path)?;
+    let name = |input: &str| {
+        let file = Path::new(input).file_name().unwrap_or_default().to_string_lossy().into_owned();
+        [".nii.gz", ".nii"].iter().find_map(|end| file.strip_suffix(end)).unwrap_or(&file).to_owned()
+    };
+    let rows: HashMap<String, SurfaceValues> =
+        table.rows.iter().map(|row| (name(&row.key.input), values_of(row))).collect();
+    let pairs: Vec<_> = made
+        .iter()
+        .zip(ours)
+        .filter_map(|(made, ours)| Some((ours, made.errors(rows.get(&made.case.name())?))))
+        .collect();
+    let same = |a: &(&CaseResult, Globals), b: &(&CaseResult, Globals)| {
+        (a.0.shape, a.0.resolution.to_bits(), a.0.ratio.to_bits())
+            == (b.0.shape, b.0.resolution.to_bits(), b.0.ratio.to_bits())
+    };
+    let rivalry = |cases: &[(&CaseResult, Globals)]| Rivalry {
+        shape: cases[0].0.shape,
+        resolution: cases[0].0.resolution,
+        ratio: cases[0].0.ratio,
+        cases: cases.len(),
+        theirs: Spread::of(cases.iter().map(|case| case.1)),
+        ours: Spread::of(cases.iter().map(|case| case.0.original)),
+    };
+    Ok(pairs.chunk_by(same).map(rivalry).collect())
+}
+
+fn values_of(row: &crate::comparison::Row) -> SurfaceValues {
+    let number = |column: &str| row.number(column).ok().flatten();
+    SurfaceValues {
+        volume_mm3: number("volume_mm3"),
+        surface_area_mm2: number("surface_area_mm2"),
+        total_mean_curvature_mm: number("total_mean_curvature_mm"),
+        ..SurfaceValues::default()
+    }
+}
+
+impl Spread {
+    fn of(errors: impl Iterator<Item = Globals>) -> Self {
+        let errors: Vec<Globals> = errors.collect();
+        let each = |part: fn(&Globals) -> f64, power: i32| {
+            errors.iter().map(|error| part(error).powi(power)).sum::<f64>() / errors.len() as f64
+        };
+        let all = |power: i32| Globals {
+            volume: each(|e| e.volume, power),
+            area: each(|e| e.area, power),
+            total_mean_curvature: each(|e| e.total_mean_curvature, power),
+        };
+        let squares = all(2);
+        let rms = Globals {
+            volume: squares.volume.sqrt(),
+            area: squares.area.sqrt(),
+            total_mean_curvature: squares.total_mean_curvature.sqrt(),
+        };
+        Self { bias: all(1), rms }
+    }
+}
