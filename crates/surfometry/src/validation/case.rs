@@ -158,7 +158,7 @@ fn standardised(measured: &Measured, truth: &Truth) -> Option<RelativeErrors> {
 }
 
 fn local_errors(phantom: &Phantom, mask: &Mask, curvature: f64) -> Result<LocalErrors, MeasureError> {
-    let measurement = Measurement::default().for_local_curvature(mask, CurvatureScale::Auto)?;
+    let measurement = Measurement::default().for_local_curvature(mask, scale_hack())?;
     let object = measurement.prepare(mask)?;
     let surface = object.surface();
     if surface.is_empty() {
@@ -199,4 +199,8 @@ fn local_errors(phantom: &Phantom, mask: &Mask, curvature: f64) -> Result<LocalE
         mean_coverage: 100.0 * mean_covered,
         gaussian_coverage: 100.0 * gaussian_covered,
     })
+}
+
+fn scale_hack() -> CurvatureScale {
+    if std::env::var("OLD").is_ok() { CurvatureScale::Auto } else { CurvatureScale::Local }
 }
