@@ -20,8 +20,8 @@ const NEAR_AXIS: f64 = 0.96;
 /// Noise there in units of that elsewhere.
 const NEAR_SHARE: f64 = 1.9;
 /// How many times its noise the local rms of what changes between a scale and a larger one may reach before
-/// the larger one is taken to be biased. On smooth shapes 2.4 is passed by less than one vertex in a thousand.
-const BIASED: f64 = 2.4;
+/// the larger one is taken to be biased. On smooth shapes 3 is passed by less than one vertex in a thousand.
+const BIASED: f64 = 3.0;
 /// Rms change between the two finest scales of a clean mask, in units of the finer one's noise, as its median
 /// over a surface.
 const CLEAN_CHANGE: f64 = 0.7;
@@ -58,7 +58,7 @@ pub(crate) fn noise_factor(mut changes: Vec<f64>) -> f64 {
 }
 
 /// The largest scale that agrees with all smaller ones (Lepski's rule), by number: the rms change from scale
-/// `fine` to scale `coarse`, both by number, in units of the finer one's noise, must stay below 2.4 for all
+/// `fine` to scale `coarse`, both by number, in units of the finer one's noise, must stay below 3 for all
 /// pairs up to there.
 pub(crate) fn largest_agreeing(scales: usize, change: impl Fn(usize, usize) -> f64) -> usize {
     let agrees = |&coarse: &usize| (0..coarse).all(|fine| change(fine, coarse) < BIASED);
@@ -85,7 +85,7 @@ mod tests {
     /// A change at the third scale ends it there, whatever the fourth says.
     #[test]
     fn the_largest_that_agrees_with_all_smaller_ones() {
-        let changes = |at: usize| move |_: usize, coarse: usize| if coarse == at { 2.5 } else { 2.3 };
+        let changes = |at: usize| move |_: usize, coarse: usize| if coarse == at { 3.1 } else { 2.9 };
         assert_eq!([1, 2, 3, 4].map(|at| largest_agreeing(4, changes(at))), [0, 1, 2, 3]);
         assert_eq!(largest_agreeing(1, changes(0)), 0);
     }

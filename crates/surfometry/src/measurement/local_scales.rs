@@ -69,25 +69,44 @@ impl Object {
     /// The surface at the middle one of its scales, its vertices moved to where their own have it.
     pub(super) fn surface_at_local_scales(&self) -> Surface {
         let mut surface = self.bare_surface();
-        let schemes: Vec<(f64, Scheme<'_>)> = self.scales.iter().filter_map(AtScale::scheme).collect();
-        let jets: Vec<_> =
-            schemes.iter().map(|(_, scheme)| |points: &[[f64; 3]]| -> Vec<Jet> { scheme.jets(points) }).collect();
-        let fields: Vec<ScaledField<'_>> = schemes
-            .iter()
-            .zip(&jets)
-            .map(|(&(sigma, _), jets)| ScaledField {
-                sigma,
-                slope: EdgeProfile::corrected(sigma).slope(0.0).abs(),
-                jets,
-            })
-            .collect();
-        surface.at_local_scales(&fields, self.grid(), &self.setup.control);
+        let schemes: Vec<SchemesAt<'_>> = self.scales.iter().filter_map(AtScale::schemes).collect();
+        surface.at_local_scales(&schemes, self.grid(), &self.setup.control);
         surface
     }
 }
 
+/// Fields of an object at one scale.
+struct SchemesAt<'a> {
+    sigma: f64,
+    corrected: Scheme<'a>,
+    plain: Scheme<'a>,
+}
+
+impl ScaledField for SchemesAt<'_> {
+    fn sigma(&self) -> f64 {
+        self.sigma
+    }
+
+    fn slope(&self) -> f64 {
+        EdgeProfile::corrected(self.sigma).slope(0.0).abs()
+    }
+
+    fn jets(&self, points: &[[f64; 3]]) -> Vec<Jet> {
+        self.corrected.jets(points)
+    }
+
+    fn plain_jets(&self, points: &[[f64; 3]]) -> Vec<Jet> {
+        self.plain.jets(points)
+    }
+}
+
 impl AtScale {
-    fn scheme(&self) -> Option<(f64, Scheme<'_>)> {
-        Some((self.setup.parameters.sigma_mm?, Scheme::of_blur(&self.setup, &*self.voxels)?))
+    fn schemes(&self) -> Option<SchemesAt<'_>> {
+        let uncorrected = Setup { parameters: self.setup.parameters.uncorrected(), ..self.setup.clone() };
+        Some(SchemesAt {
+            sigma: self.setup.parameters.sigma_mm?,
+            corrected: Scheme::of_blur(&self.setup, &*self.voxels)?,
+            plain: Scheme::of_blur(&uncorrected, &*self.voxels)?,
+        })
     }
 }

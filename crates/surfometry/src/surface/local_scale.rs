@@ -13,18 +13,25 @@ use crate::volume::Grid;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 
-/// An embedding of the object at one scale, from fine to coarse in a list of them.
-pub(crate) struct ScaledField<'a> {
+/// An embedding of the object at one scale.
+pub(crate) trait ScaledField: Sync {
     /// mm.
-    pub(crate) sigma: f64,
+    fn sigma(&self) -> f64;
+
     /// |grad phi| at a flat edge, 1/mm.
-    pub(crate) slope: f64,
+    fn slope(&self) -> f64;
+
     /// Its derivatives at points near each other, which are fractional voxel indices.
-    pub(crate) jets: &'a (dyn Fn(&[[f64; 3]]) -> Vec<Jet> + Sync),
+    fn jets(&self, points: &[[f64; 3]]) -> Vec<Jet>;
+
+    /// Those of the blur of the same sigma whose shift is not taken off.
+    fn plain_jets(&self, points: &[[f64; 3]]) -> Vec<Jet>;
 }
 
 /// Edge of the lattice over which changes between scales are averaged, in sigma of the finer one.
 const CHANGES_OVER: f64 = 2.5;
+/// The same for what the plain blur differs by, in sigma.
+const PLAIN_OVER: f64 = 1.7;
 /// The same for the chosen scale, in rms spacings.
 const SCALE_OVER: f64 = 3.0;
 /// Slopes, in units of a flat edge's, that a surface has: others are of fields that have no surface here.
@@ -91,19 +98,32 @@ impl Surface {
     /// both. Standard errors are of that scale's noise and of what changed from the next finer one.
     ///
     /// The same bits for any number of threads. Memory: 96 bytes a vertex and scale.
-    pub(crate) fn at_local_scales(&mut self, scales: &[ScaledField<'_>], grid: &Grid, control: &Control) {
+    pub(crate) fn at_local_scales(&mut self, scales: &[impl ScaledField], grid: &Grid, control: &Control) {
         let furthest = FURTHEST * rms_spacing(grid.spacing());
         let indices = indices(&self.mesh.vertices, grid);
         let tiles = by_tile(&indices);
-        let readings: Vec<Vec<Option<Reading>>> =
-            scales.iter().map(|scale| read(scale, &indices, &tiles, furthest, control)).collect();
+        let points = Points { indices: &indices, tiles: &tiles, control };
+        let readings: Vec<Vec<Option<Reading>>> = scales
+            .iter()
+            .map(|scale| {
+                points.read(|points| scale.jets(points), |jet| Reading::of(jet, scale.slope(), furthest))
+            })
+            .collect();
         if control.is_stopped() || readings.len() < 2 {
             return;
         }
-        let sigmas: Vec<f64> = scales.iter().map(|scale| scale.sigma).collect();
+        let sigmas: Vec<f64> = scales.iter().map(ScaledField::sigma).collect();
         let along: Vec<f64> = self.vertices.iter().map(|v| grid.cosine_to_nearest_axis(v.normal)).collect();
         let areas = self.weights();
-        let changes = Changes::between(&readings, &sigmas, (&self.mesh.vertices, &areas, &along), grid);
+        let mut changes = Changes::between(&readings, &sigmas, (&self.mesh.vertices, &areas, &along), grid);
+        let most = 1.0 / grid.spacing().smallest();
+        for (scale, readings) in scales.iter().zip(&readings) {
+            let plain = points.read(|points| scale.plain_jets(points), Curvature::of);
+            let differences: Vec<[f64; 3]> =
+                readings.iter().zip(plain).map(|(a, b)| bounded(a.map(|a| a.curvature), b, most)).collect();
+            let mean = SpreadMean::new(&self.mesh.vertices, PLAIN_OVER * scale.sigma());
+            changes.from_plain.push(mean.of(&differences, &areas));
+        }
         let places = smoothed_places(&changes.chosen(&along), &self.mesh.vertices, &areas, grid);
         let apply = |(n, (vertex, position)): (usize, (&mut VertexGeometry, &mut [f64; 3]))| {
             let (lower, share) = (places[n].floor() as usize, places[n].fract());
@@ -116,7 +136,7 @@ impl Surface {
             let distance = Reading::to_zero(&jet, furthest);
             *position = std::array::from_fn(|a| position[a] + distance * vertex.normal[a]);
             let noise = changes.noise_factor * vertex_noise(sigma, grid.spacing(), along[n]);
-            vertex.errors = Some(scaled_errors(&curvature, noise, &changes.at(n, places[n])));
+            vertex.errors = Some(scaled_errors(&curvature, noise, changes.at(n, places[n])));
             vertex.curvature_sigma = Some(sigma as f32);
         };
         self.vertices.par_iter_mut().zip(&mut self.mesh.vertices).enumerate().for_each(apply);
@@ -150,29 +170,45 @@ fn by_tile(indices: &[[f64; 3]]) -> Vec<Vec<usize>> {
     tiles.into_values().collect()
 }
 
-/// What a scale says at all vertices.
-fn read(
-    scale: &ScaledField<'_>,
-    indices: &[[f64; 3]],
-    tiles: &[Vec<usize>],
-    furthest: f64,
-    control: &Control,
-) -> Vec<Option<Reading>> {
-    let of_tile = |numbers: &Vec<usize>| {
-        if control.is_stopped() {
-            return Vec::new();
+/// Squares of the differences of H, K, and of k1 and k2, none of them larger than what a voxel's size would
+/// make; where one of them has no surface, as large.
+fn bounded(a: Option<Curvature>, b: Option<Curvature>, most: f64) -> [f64; 3] {
+    let most = [most.powi(2), most.powi(4), most.powi(2)];
+    let Some((a, b)) = a.zip(b) else { return most };
+    let squares = squares(&a, &b);
+    std::array::from_fn(|n| squares[n].min(most[n]))
+}
+
+/// Vertices, tile by tile.
+struct Points<'a> {
+    indices: &'a [[f64; 3]],
+    tiles: &'a [Vec<usize>],
+    control: &'a Control,
+}
+
+impl Points<'_> {
+    /// What a field says at all of them.
+    fn read<T: Copy + Send>(
+        &self,
+        jets: impl Fn(&[[f64; 3]]) -> Vec<Jet> + Sync,
+        reading: impl Fn(&Jet) -> Option<T> + Sync,
+    ) -> Vec<Option<T>> {
+        let of_tile = |numbers: &Vec<usize>| {
+            if self.control.is_stopped() {
+                return Vec::new();
+            }
+            let points: Vec<[f64; 3]> = numbers.iter().map(|&n| self.indices[n]).collect();
+            jets(&points).iter().map(&reading).collect()
+        };
+        let parts: Vec<Vec<Option<T>>> = self.tiles.par_iter().map(of_tile).collect();
+        let mut readings = vec![None; self.indices.len()];
+        for (numbers, part) in self.tiles.iter().zip(parts) {
+            for (&number, reading) in numbers.iter().zip(part) {
+                readings[number] = reading;
+            }
         }
-        let points: Vec<[f64; 3]> = numbers.iter().map(|&n| indices[n]).collect();
-        (scale.jets)(&points).iter().map(|jet| Reading::of(jet, scale.slope, furthest)).collect()
-    };
-    let parts: Vec<Vec<Option<Reading>>> = tiles.par_iter().map(of_tile).collect();
-    let mut readings = vec![None; indices.len()];
-    for (numbers, part) in tiles.iter().zip(parts) {
-        for (&number, reading) in numbers.iter().zip(part) {
-            readings[number] = reading;
-        }
+        readings
     }
-    readings
 }
 
 /// Most scales: from 1.5 to 10 rms spacings by factors of sqrt 2.
@@ -185,6 +221,8 @@ struct Changes {
     to_coarser: Vec<Vec<[f64; MOST_SCALES]>>,
     /// By finer scale and vertex: mean squares of the changes of H, K, and of k1 and k2, to the next one.
     to_next: Vec<Vec<[f64; 3]>>,
+    /// By scale and vertex: those of the differences from the plain blur.
+    from_plain: Vec<Vec<[f64; 3]>>,
     noise_factor: f64,
 }
 
@@ -222,7 +260,7 @@ impl Changes {
             (0..scales - 1).into_par_iter().map(of_scale).unzip();
         let finest = to_coarser.first().map_or(&[][..], |first: &Vec<_>| first.as_slice());
         let noise_factor = noise_factor(finest.iter().map(|squares| squares[1].sqrt()).collect());
-        Self { scales, to_coarser, to_next, noise_factor }
+        Self { scales, to_coarser, to_next, from_plain: Vec::new(), noise_factor }
     }
 
     /// The number of the scale that suits each vertex.
@@ -236,18 +274,18 @@ impl Changes {
         (0..along.len()).into_par_iter().map(chosen).collect()
     }
 
-    /// Local rms changes of curvature from the next finer scale, or from the finest to the next, at a place
-    /// between two scales.
-    fn at(&self, vertex: usize, place: f64) -> CurvatureDifferences {
+    /// Local rms changes of curvature from the next finer scale, or from the finest to the next, and from the
+    /// plain blur, at a place between two scales.
+    fn at(&self, vertex: usize, place: f64) -> [CurvatureDifferences; 2] {
         let (lower, share) = (place.floor() as usize, place.fract());
-        let step = |scale: usize| {
-            let fine = scale.saturating_sub(1).min(self.scales - 2);
-            self.to_next[fine][vertex].map(f64::sqrt)
-        };
-        let (a, b) = (step(lower), step((lower + 1).min(self.scales - 1)));
-        let [mean, gaussian, principal] =
-            std::array::from_fn(|n| ((1.0 - share) * a[n] + share * b[n]) as f32);
-        CurvatureDifferences { mean_curvature: mean, gaussian_curvature: gaussian, principal }
+        let upper = (lower + 1).min(self.scales - 1);
+        let step = |scale: usize| self.to_next[scale.saturating_sub(1)][vertex];
+        let plain = |scale: usize| self.from_plain[scale][vertex];
+        [[step(lower), step(upper)], [plain(lower), plain(upper)]].map(|[a, b]| {
+            let [mean_curvature, gaussian_curvature, principal] =
+                std::array::from_fn(|n| ((1.0 - share) * a[n] + share * b[n]).sqrt() as f32);
+            CurvatureDifferences { mean_curvature, gaussian_curvature, principal }
+        })
     }
 }
 
