@@ -69,7 +69,8 @@ impl OutputOptions {
 #[derive(Debug, Args)]
 pub(crate) struct CurvatureOptions {
     /// Map the surface and its curvature in the corrected embedding, as those of the original object, at this
-    /// blur in mm; auto = what suits the object's curvature and the spacing. Integrals keep --sigma [default:
+    /// blur in mm; auto = what suits the object's curvature and the spacing; local = what suits each vertex, in
+    /// the embedding that gives the object back. Integrals keep --sigma [default:
     /// the surface as measured]
     #[arg(long, value_name = "MM|auto|local", value_parser = scale, allow_hyphen_values = true)]
     curvature_sigma: Option<CurvatureScale>,

@@ -8,13 +8,14 @@ use anyhow::{Result, bail};
 use clap::ValueEnum;
 use serde_json::json;
 use std::path::PathBuf;
+use surfometry::measurement::CurvatureScale;
 use surfometry::validation::{Validation, ZOO, summarise};
 
 /// Measure a zoo of shapes with exact truth, in many poses, and print how far off the numbers are
 ///
 /// Each shape is made with a radius of curvature R (1 / rms of the larger principal curvature) of some
 /// voxels, on cubic and on unequal spacings, rotated and shifted off the grid, and measured with the
-/// defaults; local curvature with --curvature-sigma auto. Nothing is read but the program itself.
+/// defaults; local curvature at an automatic scale. Nothing is read but the program itself.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
     /// R in units of the largest spacing
@@ -32,6 +33,9 @@ pub(crate) struct Args {
     /// Shapes: those whose name has this in it; may be given several times [default: all]
     #[arg(long, value_name = "NAME")]
     shape: Vec<String>,
+    /// Scale of local curvature: `auto`, one for each shape, or `local`, one at each vertex
+    #[arg(long, value_name = "auto|local", default_value = "auto", value_parser = automatic)]
+    curvature_sigma: CurvatureScale,
     /// Integrals alone
     #[arg(long)]
     no_local: bool,
@@ -49,6 +53,14 @@ enum Format {
     Json,
 }
 
+fn automatic(text: &str) -> Result<CurvatureScale, String> {
+    match text {
+        "auto" => Ok(CurvatureScale::Auto),
+        "local" => Ok(CurvatureScale::Local),
+        _ => Err("it must be auto or local".to_owned()),
+    }
+}
+
 fn ratio(text: &str) -> Result<f64, String> {
     let value = positive(text)?;
     if (1.0..=10.0).contains(&value) { Ok(value) } else { Err("it must lie between 1 and 10".to_owned()) }
@@ -63,6 +75,7 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
         first_pose: args.first_pose as usize,
         shapes: args.shape.clone(),
         local: !args.no_local,
+        curvature: args.curvature_sigma,
     };
     if validation.cases().is_empty() {
         let names: Vec<&str> = ZOO.iter().map(|shape| shape.name).collect();

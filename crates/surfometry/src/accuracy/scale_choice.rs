@@ -8,8 +8,12 @@ use std::f64::consts::SQRT_2;
 /// go on lowering the error of smooth bodies, at a price: the time to recover an object grows with sigma's
 /// fourth power.
 const COARSEST: f64 = 1.6;
-/// Limits of it, in rms spacings.
-const COARSEST_SPACINGS: [f64; 2] = [2.2, 10.0];
+/// Least of it, in rms spacings: two scales at least.
+const LEAST_COARSEST: f64 = 2.2;
+/// Most of it, in smallest spacings: beyond, derivatives at vertices take ten times as long. Of thick slices at
+/// least three rms spacings.
+const MOST_COARSEST: f64 = 8.0;
+const MOST_OF_SLICES: f64 = 3.0;
 /// Least scale in rms spacings: below, all is noise.
 const FINEST_SPACINGS: f64 = 1.5;
 /// Noise of H with the corrected embedding at a vertex whose normal is away from the grid's axes, in units of
@@ -30,8 +34,8 @@ const CLEAN_CHANGE: f64 = 0.7;
 /// to 2.1 rms spacings up to 1.6 sqrt(h R), for an object whose larger principal curvature is 1/R in rms.
 pub fn local_scales(spacing: Spacing, radius: f64) -> Vec<f64> {
     let h = rms_spacing(spacing);
-    let [least, most] = COARSEST_SPACINGS;
-    let coarsest = (COARSEST * (h * radius).sqrt()).clamp(least * h, most * h);
+    let most = (MOST_COARSEST * spacing.smallest()).max(MOST_OF_SLICES * h);
+    let coarsest = (COARSEST * (h * radius).sqrt()).clamp(LEAST_COARSEST * h, most);
     let mut scales: Vec<f64> = (0..)
         .map(|step| coarsest / SQRT_2.powi(step))
         .take_while(|&sigma| sigma >= FINEST_SPACINGS * h)
@@ -77,9 +81,9 @@ mod tests {
         assert!((scales.last().unwrap() - coarsest).abs() < 1e-12);
         assert!(scales.windows(2).all(|pair| (pair[1] / pair[0] - SQRT_2).abs() < 1e-12));
         assert!((0.75..1.07).contains(&scales[0]), "{scales:?}");
-        // A tube of one voxel has two scales, a plane those up to ten voxels.
+        // A tube of one voxel has two scales, a plane those up to eight voxels.
         assert_eq!(local_scales(spacing, 0.5).len(), 2);
-        assert!((local_scales(spacing, 1e9).last().unwrap() - 5.0).abs() < 1e-12);
+        assert!((local_scales(spacing, 1e9).last().unwrap() - 4.0).abs() < 1e-12);
     }
 
     /// A change at the third scale ends it there, whatever the fourth says.

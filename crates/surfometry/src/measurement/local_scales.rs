@@ -49,7 +49,8 @@ impl Measurement {
         let scales = local_scales(setup.grid.spacing(), radius);
         let at = |&sigma: &f64| {
             let measurement = self.recovering(sigma);
-            let setup = Setup { control: setup.control.clone(), ..Setup::of_masks(&measurement, setup.grid).ok()? };
+            let setup =
+                Setup { control: setup.control.clone(), ..Setup::of_masks(&measurement, setup.grid).ok()? };
             let found = recovery(sigma, setup.truncation()).corrections_of_wide_blur(mask);
             Some(AtScale { setup, voxels: Arc::new(CorrectedMask::new((**mask).clone(), found.amounts)) })
         };

@@ -2,8 +2,8 @@
 
 use super::clip::MeasuredPart;
 use super::evaluation::{OpenPart, Totals};
-use super::pass::{ObjectSums, Pass};
 use super::local_scales::AtScale;
+use super::pass::{ObjectSums, Pass};
 use super::recovery::{Recovered, recovered};
 use super::scheme::Scheme;
 use super::setup::Setup;

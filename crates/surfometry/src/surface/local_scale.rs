@@ -5,7 +5,8 @@ use super::spread_mean::SpreadMean;
 use super::{Surface, VertexGeometry};
 use crate::Control;
 use crate::accuracy::{
-    CurvatureDifferences, CurvatureErrors, largest_agreeing, noise_factor, rms_spacing, scaled_errors, vertex_noise,
+    CurvatureDifferences, CurvatureErrors, largest_agreeing, noise_factor, rms_spacing, scaled_errors,
+    vertex_noise,
 };
 use crate::local_geometry::{Curvature, Jet};
 use crate::tiling::TILE;
@@ -155,8 +156,8 @@ fn indices(points: &[[f64; 3]], grid: &Grid) -> Vec<[f64; 3]> {
     let columns = [0, 1, 2].map(|a| affine.column(a));
     let volume = affine.determinant();
     // Rows of the inverse: cross products of the columns.
-    let rows = [(1, 2), (2, 0), (0, 1)]
-        .map(|(a, b)| super::cross(columns[a], columns[b]).map(|v| v / volume));
+    let rows =
+        [(1, 2), (2, 0), (0, 1)].map(|(a, b)| super::cross(columns[a], columns[b]).map(|v| v / volume));
     points.iter().map(|p| rows.map(|row| dot(row, super::minus(*p, affine.origin)))).collect()
 }
 
@@ -211,7 +212,7 @@ impl Points<'_> {
     }
 }
 
-/// Most scales: from 1.5 to 10 rms spacings by factors of sqrt 2.
+/// Most scales: from 1.5 to 8 rms spacings by factors of sqrt 2.
 const MOST_SCALES: usize = 6;
 
 /// What changes from scale to scale around each vertex.
@@ -256,8 +257,7 @@ impl Changes {
             let next: Vec<[f64; 3]> = numbers.map(to_next).collect();
             (mean.of(&coarser, areas), mean.of(&next, areas))
         };
-        let (to_coarser, to_next): (Vec<_>, Vec<_>) =
-            (0..scales - 1).into_par_iter().map(of_scale).unzip();
+        let (to_coarser, to_next): (Vec<_>, Vec<_>) = (0..scales - 1).into_par_iter().map(of_scale).unzip();
         let finest = to_coarser.first().map_or(&[][..], |first: &Vec<_>| first.as_slice());
         let noise_factor = noise_factor(finest.iter().map(|squares| squares[1].sqrt()).collect());
         Self { scales, to_coarser, to_next, from_plain: Vec::new(), noise_factor }
@@ -266,9 +266,8 @@ impl Changes {
     /// The number of the scale that suits each vertex.
     fn chosen(&self, along: &[f64]) -> Vec<usize> {
         let chosen = |n: usize| {
-            let change = |fine: usize, coarse: usize| {
-                self.to_coarser[fine][n][coarse].sqrt() / self.noise_factor
-            };
+            let change =
+                |fine: usize, coarse: usize| self.to_coarser[fine][n][coarse].sqrt() / self.noise_factor;
             largest_agreeing(self.scales, change)
         };
         (0..along.len()).into_par_iter().map(chosen).collect()
@@ -310,5 +309,10 @@ fn smoothed_places(chosen: &[usize], places: &[[f64; 3]], areas: &[f64], grid: &
     let mean = SpreadMean::new(places, SCALE_OVER * rms_spacing(grid.spacing()));
     let means = mean.of(&values, areas);
     // What has no area has no mean.
-    means.iter().zip(areas).zip(&values).map(|((m, &area), own)| if area > 0.0 { m[0] } else { own[0] }).collect()
+    means
+        .iter()
+        .zip(areas)
+        .zip(&values)
+        .map(|((m, &area), own)| if area > 0.0 { m[0] } else { own[0] })
+        .collect()
 }

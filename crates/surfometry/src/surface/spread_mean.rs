@@ -20,7 +20,8 @@ impl SpreadMean {
     /// Of vertices in mm, with a lattice of an edge in mm.
     pub(super) fn new(vertices: &[[f64; 3]], edge: f64) -> Self {
         let mut numbers: HashMap<[i64; 3], u32> = HashMap::new();
-        let (mut nodes, mut weights) = (Vec::with_capacity(vertices.len()), Vec::with_capacity(vertices.len()));
+        let (mut nodes, mut weights) =
+            (Vec::with_capacity(vertices.len()), Vec::with_capacity(vertices.len()));
         for vertex in vertices {
             let place = vertex.map(|v| v / edge);
             let lower = place.map(f64::floor);
@@ -80,6 +81,8 @@ mod tests {
         let smooth = mean.of(&step, &areas);
         assert!((smooth[200][0] - 0.5).abs() < 0.02, "{}", smooth[200][0]);
         assert!(smooth[119][0] == 0.0 && (smooth[281][0] - 1.0).abs() < 1e-12);
-        assert!(smooth.windows(2).all(|pair| pair[1][0] > pair[0][0] - 1e-9 && pair[1][0] - pair[0][0] < 0.03));
+        assert!(
+            smooth.windows(2).all(|pair| pair[1][0] > pair[0][0] - 1e-9 && pair[1][0] - pair[0][0] < 0.03)
+        );
     }
 }

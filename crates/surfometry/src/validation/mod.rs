@@ -9,7 +9,7 @@ pub use case::{Case, CaseResult, LocalErrors, RelativeErrors};
 pub use summary::{Summary, summarise};
 pub use zoo::{ZOO, ZooShape};
 
-use crate::measurement::MeasureError;
+use crate::measurement::{CurvatureScale, MeasureError};
 use case::Unit;
 use poses::pose;
 use rayon::prelude::*;
@@ -31,6 +31,8 @@ pub struct Validation {
     pub shapes: Vec<String>,
     /// Whether local curvature is looked at too.
     pub local: bool,
+    /// At which scale.
+    pub curvature: CurvatureScale,
 }
 
 impl Default for Validation {
@@ -43,6 +45,7 @@ impl Default for Validation {
             first_pose: 0,
             shapes: Vec::new(),
             local: true,
+            curvature: CurvatureScale::Auto,
         }
     }
 }
@@ -76,7 +79,7 @@ impl Validation {
         let units: BTreeMap<_, _> =
             self.wanted().par_bridge().map(|shape| (shape.name, Unit::of(shape))).collect();
         let run = |case: &Case| {
-            let result = case.run(&units[case.shape.name], self.local);
+            let result = case.run(&units[case.shape.name], self.local.then_some(self.curvature));
             progress();
             result
         };

@@ -152,7 +152,7 @@ impl Recovery {
     /// listed as they turn out to be needed, at most one on either side of the boundary in half a sigma along
     /// each axis at a time, the deepest. Where both end with every sign right their fields differ by less
     /// than a thousandth of a voxel; what takes minutes with all listed takes seconds.
-    pub fn corrections_of_wide_blur(&self, mask: &Mask) -> Corrections {
+    pub(crate) fn corrections_of_wide_blur(&self, mask: &Mask) -> Corrections {
         let mut boundary = Boundary::new(mask, self.sigma, self.truncation);
         let kernel = PairKernel::corrected(self.sigma, mask.grid().spacing().mm(), self.truncation);
         let (candidates, evidence) = self.first_list(mask, &boundary, &kernel);

@@ -30,8 +30,7 @@ impl Spread {
         for number in boundary.wrong() {
             let Some(listed) = entry(number) else { continue };
             let place = boundary.voxels().place(number);
-            let key =
-                (std::array::from_fn(|a| place[a].div_euclid(self.edges[a])), boundary.inside(number));
+            let key = (std::array::from_fn(|a| place[a].div_euclid(self.edges[a])), boundary.inside(number));
             let depth = boundary.depth(number);
             let known = best.entry(key).or_insert((depth, listed));
             if depth > known.0 {
