@@ -36,7 +36,7 @@ pub fn local_scales(spacing: Spacing, radius: f64) -> Vec<f64> {
     let h = rms_spacing(spacing);
     let most = (MOST_COARSEST * spacing.smallest()).max(MOST_OF_SLICES * h);
     let coarsest = (COARSEST * (h * radius).sqrt()).clamp(LEAST_COARSEST * h, most);
-    let mut scales: Vec<f64> = (0..)
+    let mut scales: Vec<f64> = (0..16)
         .map(|step| coarsest / SQRT_2.powi(step))
         .take_while(|&sigma| sigma >= FINEST_SPACINGS * h)
         .collect();
