@@ -23,7 +23,6 @@ fn run(desk: &mut Desk) -> Result<()> {
         poses: POSES,
         first_pose: 200,
         shapes: SHAPES.map(str::to_owned).to_vec(),
-        local: true,
         ..Validation::default()
     };
     let bar = progress("cases", SHAPES.len() * RESOLUTIONS.len() * POSES);

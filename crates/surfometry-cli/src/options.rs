@@ -69,19 +69,16 @@ impl OutputOptions {
 #[derive(Debug, Args)]
 pub(crate) struct CurvatureOptions {
     /// Map the surface and its curvature in the corrected embedding, as those of the original object, at this
-    /// blur in mm; auto = what suits the object's curvature and the spacing. Integrals keep --sigma [default:
+    /// blur in mm; auto = what suits the object's curvature and the spacing; local = what suits each vertex, in
+    /// the embedding that gives the object back. Integrals keep --sigma [default:
     /// the surface as measured]
-    #[arg(long, value_name = "MM|auto", value_parser = length, allow_hyphen_values = true)]
-    curvature_sigma: Option<Length>,
+    #[arg(long, value_name = "MM|auto|local", value_parser = scale, allow_hyphen_values = true)]
+    curvature_sigma: Option<CurvatureScale>,
 }
 
 impl CurvatureOptions {
     pub(crate) fn scale(&self) -> CurvatureScale {
-        match self.curvature_sigma {
-            None => CurvatureScale::AsMeasured,
-            Some(Length::Auto) => CurvatureScale::Auto,
-            Some(Length::Mm(sigma)) => CurvatureScale::Mm(sigma),
-        }
+        self.curvature_sigma.unwrap_or_default()
     }
 }
 
@@ -203,6 +200,14 @@ fn fraction(text: &str) -> Result<f64, String> {
 
 fn length(text: &str) -> Result<Length, String> {
     if text == "auto" { Ok(Length::Auto) } else { positive(text).map(Length::Mm) }
+}
+
+fn scale(text: &str) -> Result<CurvatureScale, String> {
+    match text {
+        "auto" => Ok(CurvatureScale::Auto),
+        "local" => Ok(CurvatureScale::Local),
+        _ => positive(text).map(CurvatureScale::Mm),
+    }
 }
 
 pub(crate) fn spacing(text: &str) -> Result<Spacing, String> {

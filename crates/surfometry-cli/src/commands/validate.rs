@@ -8,6 +8,7 @@ use anyhow::{Result, bail};
 use clap::ValueEnum;
 use serde_json::json;
 use std::path::PathBuf;
+use surfometry::measurement::CurvatureScale;
 use surfometry::runs::write_zoo;
 use surfometry::validation::{Noise, Validation, Zoo, against, summarise};
 
@@ -15,7 +16,7 @@ use surfometry::validation::{Noise, Validation, Zoo, against, summarise};
 ///
 /// Each shape is made with a radius of curvature R (1 / rms of the larger principal curvature) of some
 /// voxels, on cubic and on unequal spacings, rotated and shifted off the grid, and measured with the
-/// defaults; local curvature with --curvature-sigma auto. Nothing is read but the program itself.
+/// defaults; local curvature at an automatic scale. Nothing is read but the program itself.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
     /// Which shapes
@@ -46,6 +47,9 @@ pub(crate) struct Args {
     /// files' names, and the others the names of ours, volume_mm3, surface_area_mm2, total_mean_curvature_mm
     #[arg(long, value_name = "FILE.csv")]
     against: Option<PathBuf>,
+    /// Scale of local curvature: `auto`, one for each shape, or `local`, one at each vertex
+    #[arg(long, value_name = "auto|local", default_value = "auto", value_parser = automatic)]
+    curvature_sigma: CurvatureScale,
     /// Integrals alone
     #[arg(long)]
     no_local: bool,
@@ -72,6 +76,14 @@ fn resolution(text: &str) -> Result<f64, String> {
     if value <= MOST_RESOLUTION { Ok(value) } else { Err(format!("at most {MOST_RESOLUTION} voxels")) }
 }
 
+fn automatic(text: &str) -> Result<CurvatureScale, String> {
+    match text {
+        "auto" => Ok(CurvatureScale::Auto),
+        "local" => Ok(CurvatureScale::Local),
+        _ => Err("it must be auto or local".to_owned()),
+    }
+}
+
 fn ratio(text: &str) -> Result<f64, String> {
     let value = positive(text)?;
     if (1.0..=10.0).contains(&value) { Ok(value) } else { Err("it must lie between 1 and 10".to_owned()) }
@@ -88,6 +100,7 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
         first_pose: args.first_pose as usize,
         shapes: args.shape.clone(),
         local: !args.no_local && args.zoo == Zoo::Bodies && args.against.is_none(),
+        curvature: args.curvature_sigma,
     };
     if validation.cases().is_empty() {
         let names: Vec<&str> = args.zoo.shapes().iter().map(|shape| shape.name).collect();

@@ -13,6 +13,7 @@ mod flags;
 mod local_errors;
 mod occupancy_noise;
 mod scale;
+mod scale_choice;
 mod soft_edges;
 mod terraces;
 mod uncertainty;
@@ -21,11 +22,14 @@ pub use compensation::{CompensationTerms, compensation_terms};
 pub use curvature_scale::{PILOT_SPACINGS, auto_curvature_sigma, balanced_sigma, rms_spacing};
 pub use flags::{Flag, FlagCode};
 pub(crate) use flags::{decimals_for, place_text};
+pub(crate) use local_errors::scaled_errors;
 pub use local_errors::{CurvatureDifferences, CurvatureErrors, LocalErrorModel};
 pub use scale::{
     AUTO_SIGMA_SPACINGS, AUTO_THICKNESS_SPACINGS, auto_sigma, auto_thickness, auto_thickness_of_blur,
     band_variance, epsilon_of_blur, thickness_of_blur,
 };
+pub use scale_choice::local_scales;
+pub(crate) use scale_choice::{largest_agreeing, noise_factor, vertex_noise};
 pub use soft_edges::SoftEdges;
 pub use terraces::Terraces;
 pub use uncertainty::{ErrorModel, IntegralErrors};

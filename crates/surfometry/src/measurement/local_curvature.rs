@@ -1,8 +1,10 @@
 //! Local curvature of the original object: which embedding, at which scale.
 
+use super::local_scales::is_noisy;
 use super::scheme::Scheme;
-use super::{EmbeddingKind, MeasureError, Measurement, Object, Parameters};
+use super::{Clip, EmbeddingKind, MeasureError, Measurement, Object, Parameters};
 use crate::accuracy::{PILOT_SPACINGS, auto_curvature_sigma, balanced_sigma, rms_spacing};
+use crate::embedding::TRUNCATION;
 use crate::integrals::{Integrals, QuadratureRule};
 use crate::local_geometry::Curvature;
 use crate::tiling::{IndexBox, TILE};
@@ -23,6 +25,10 @@ pub enum CurvatureScale {
     /// The corrected embedding at a sigma that follows the object's radius of curvature and the spacing:
     /// curvature of the original object.
     Auto,
+    /// The embedding that gives the object back, at a sigma of its own at each vertex: curvature of the original
+    /// object. Soft segmentations, objects cut open and noisy masks, which nothing should give back, have one
+    /// sigma, as [`CurvatureScale::Auto`].
+    Local,
     /// The corrected embedding at this sigma, mm.
     Mm(f64),
 }
@@ -45,7 +51,7 @@ impl Measurement {
         scale: CurvatureScale,
     ) -> Result<Self, MeasureError> {
         let mask = mask.shared();
-        self.at_local_scale(mask.grid().spacing(), scale, &|measurement| measurement.prepare(&mask))
+        self.at_local_scale(mask.grid().spacing(), scale, Some(&mask), &|m| m.prepare(&mask))
     }
 
     /// The same of a soft segmentation, for [`Measurement::prepare_probability`].
@@ -59,13 +65,14 @@ impl Measurement {
     ) -> Result<Self, MeasureError> {
         let image = image.shared();
         let prepare = |measurement: &Self| measurement.prepare_probability(&image);
-        self.at_local_scale(image.grid().spacing(), scale, &prepare)
+        self.at_local_scale(image.grid().spacing(), scale, None, &prepare)
     }
 
     fn at_local_scale(
         &self,
         spacing: Spacing,
         scale: CurvatureScale,
+        mask: Option<&Mask>,
         prepare: Prepare,
     ) -> Result<Self, MeasureError> {
         if scale != CurvatureScale::AsMeasured && !self.embedding.is_blur() {
@@ -73,17 +80,32 @@ impl Measurement {
                 "a scale for curvature belongs to the Gaussian and corrected embeddings: leave it out",
             ));
         }
-        let sigma = match scale {
+        let local = match scale {
             CurvatureScale::AsMeasured => return Ok(*self),
-            CurvatureScale::Mm(sigma) => sigma,
-            CurvatureScale::Auto => self.scale_of(spacing, prepare)?,
+            CurvatureScale::Mm(sigma) => self.corrected(sigma),
+            CurvatureScale::Auto => self.corrected(self.scale_of(spacing, prepare)?),
+            CurvatureScale::Local => self.of_vertices(spacing, mask, prepare)?,
         };
-        let local = self.corrected(sigma);
         Parameters::resolve(&local, spacing).map(|_| local)
     }
 
+    /// A scale at each vertex, or one where that cannot be.
+    fn of_vertices(
+        &self,
+        spacing: Spacing,
+        mask: Option<&Mask>,
+        prepare: Prepare,
+    ) -> Result<Self, MeasureError> {
+        let truncation = self.truncation.unwrap_or(TRUNCATION);
+        let whole = mask.filter(|mask| self.clip != Clip::Exclude && !mask.is_empty());
+        match (self.size_of(spacing, prepare)?, whole.filter(|mask| !is_noisy(mask, truncation))) {
+            (Some((radius, _)), Some(_)) => Ok(self.with_local_scales(spacing, radius)),
+            (size, _) => Ok(self.corrected(self.scale_of_size(spacing, size, prepare)?)),
+        }
+    }
+
     /// The corrected embedding at some blur, the rest as it suits that.
-    fn corrected(&self, sigma: f64) -> Self {
+    pub(super) fn corrected(&self, sigma: f64) -> Self {
         Self {
             embedding: EmbeddingKind::Corrected,
             sigma: Some(sigma),
@@ -92,11 +114,32 @@ impl Measurement {
             level: None,
             quadrature: QuadratureRule::Sum,
             derivatives: None,
+            radius_of_scales: None,
             ..*self
         }
     }
 
     fn scale_of(&self, spacing: Spacing, prepare: Prepare) -> Result<f64, MeasureError> {
+        let size = self.size_of(spacing, prepare)?;
+        self.scale_of_size(spacing, size, prepare)
+    }
+
+    /// One scale for all of an object, from its radius of curvature and mean thickness.
+    fn scale_of_size(
+        &self,
+        spacing: Spacing,
+        size: Option<(f64, f64)>,
+        prepare: Prepare,
+    ) -> Result<f64, MeasureError> {
+        let Some((radius, thickness)) = size else { return Ok(auto_curvature_sigma(spacing, 0.0, 0.0)) };
+        let sigma = auto_curvature_sigma(spacing, radius, thickness);
+        let changes = self.changes_with_scale(prepare, sigma, radius)?;
+        Ok(changes.map_or(sigma, |changes| balanced_sigma(spacing, sigma, changes, (radius, thickness))))
+    }
+
+    /// Radius of curvature, 1 / rms of the larger principal curvature, and mean thickness of the blurred object,
+    /// mm; `None` where nothing is left of it.
+    fn size_of(&self, spacing: Spacing, prepare: Prepare) -> Result<Option<(f64, f64)>, MeasureError> {
         let pilot = Self { delta: self.delta, ..Self::default() };
         // Where the pilot's blur leaves nothing, an object is so small that half of it may.
         for share in [1.0, 0.5] {
@@ -105,14 +148,10 @@ impl Measurement {
             if let Some(integrals) = surviving.filter(Integrals::has_surface) {
                 let surface = &integrals.surface;
                 let radius = (surface.area / surface.larger_squared).sqrt();
-                let thickness = 2.0 * integrals.volume / surface.area;
-                let sigma = auto_curvature_sigma(spacing, radius, thickness);
-                let changes = self.changes_with_scale(prepare, sigma, radius)?;
-                return Ok(changes
-                    .map_or(sigma, |changes| balanced_sigma(spacing, sigma, changes, (radius, thickness))));
+                return Ok(Some((radius, 2.0 * integrals.volume / surface.area)));
             }
         }
-        Ok(auto_curvature_sigma(spacing, 0.0, 0.0))
+        Ok(None)
     }
 
     /// Mean squares of the changes of H R and K R^2, summed, from sigma / sqrt 2 to sigma and from there to

@@ -9,6 +9,7 @@ mod evaluation;
 mod explanation;
 mod level_sets;
 mod local_curvature;
+mod local_scales;
 mod object;
 mod parameters;
 mod pass;
@@ -71,6 +72,10 @@ pub struct Measurement {
     /// Whether it is the paper's, whose numbers are those of the blurred surface.
     pub(crate) paper: bool,
     truncation: Option<f64>,
+    /// 1 / rms of the object's larger principal curvature, mm, where its surface is to have a scale of its own
+    /// at each vertex.
+    #[serde(skip)]
+    pub(crate) radius_of_scales: Option<f64>,
 }
 
 impl Default for Measurement {
@@ -87,6 +92,7 @@ impl Default for Measurement {
             clip: Clip::Cap,
             paper: false,
             truncation: None,
+            radius_of_scales: None,
         }
     }
 }

@@ -2,6 +2,7 @@
 
 use super::clip::MeasuredPart;
 use super::evaluation::{OpenPart, Totals};
+use super::local_scales::AtScale;
 use super::pass::{ObjectSums, Pass};
 use super::recovery::{Recovered, recovered};
 use super::scheme::Scheme;
@@ -35,6 +36,8 @@ pub struct Object {
     pub(super) mask: Arc<Mask>,
     pub(super) setup: Setup,
     pub(super) content: Content,
+    /// The same at the scales of which each vertex of its surface has one; none where all have that of `content`.
+    pub(super) scales: Vec<AtScale>,
     /// Where it is measured, where the image cuts it and that is left out.
     pub(super) part: Option<MeasuredPart>,
     pub(super) preparation: Duration,
@@ -70,11 +73,15 @@ impl Measurement {
         let cut = self.cut(&mask)?;
         let part = cut.as_ref().map(|cut| cut.part);
         let voxels = cut.map_or_else(|| Arc::clone(&mask), |cut| Arc::new(cut.continued));
+        if let Some(radius) = self.radius_of_scales {
+            return Ok(self.at_local_scales(setup, &mask, radius));
+        }
         if self.embedding == EmbeddingKind::Recovering {
             Scheme::check_reach(&setup)?;
             let (corrected, recovered) = recovered(&setup, &mask);
             let content = Content::Corrected(Arc::new(corrected), recovered);
-            return Ok(Object { mask, setup, content, part: None, preparation: start.elapsed() });
+            let (part, preparation) = (None, start.elapsed());
+            return Ok(Object { mask, setup, content, scales: Vec::new(), part, preparation });
         }
         let leaves_something = Scheme::of_mask(&setup, &voxels)?.is_some();
         let content = match part {
@@ -82,7 +89,7 @@ impl Measurement {
             _ if leaves_something => Content::Mask(voxels),
             _ => Content::Nothing,
         };
-        Ok(Object { mask, setup, content, part, preparation: start.elapsed() })
+        Ok(Object { mask, setup, content, scales: Vec::new(), part, preparation: start.elapsed() })
     }
 
     /// Sets up the level set phi = 0 of a field that is an embedding already.
@@ -128,7 +135,8 @@ impl Measurement {
             control: Control::default(),
         };
         let (mask, content) = (Arc::new(mask), Content::Field(field));
-        Ok(Object { mask, setup, content, part: None, preparation: start.elapsed() })
+        let preparation = start.elapsed();
+        Ok(Object { mask, setup, content, scales: Vec::new(), part: None, preparation })
     }
 }
 
@@ -190,6 +198,9 @@ impl Object {
 
     /// The surface phi = 0 with the geometry at its vertices; empty where the blur left nothing.
     pub fn surface(&self) -> Surface {
+        if !self.scales.is_empty() {
+            return self.surface_at_local_scales();
+        }
         let Some(scheme) = self.scheme() else { return Surface::default() };
         let parameters = self.setup.parameters;
         let uncorrected = Setup { parameters: parameters.uncorrected(), ..self.setup.clone() };
@@ -211,7 +222,7 @@ impl Object {
     }
 
     /// The same with curvature alone at its vertices, neither shifts nor standard errors.
-    fn bare_surface(&self) -> Surface {
+    pub(super) fn bare_surface(&self) -> Surface {
         let Some(scheme) = self.scheme() else { return Surface::default() };
         let Setup { band, control, .. } = &self.setup;
         scheme.surface(self.grid(), band, &VertexExtras::None, self.region(), control)

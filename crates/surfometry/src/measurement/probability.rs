@@ -35,7 +35,8 @@ impl Measurement {
         }
         let leaves_something = Scheme::of_probability(&setup, &image)?.is_some();
         let content = if leaves_something { Content::Probability(image) } else { Content::Nothing };
-        Ok(Object { mask: Arc::new(mask), setup, content, part: None, preparation: start.elapsed() })
+        let preparation = start.elapsed();
+        Ok(Object { mask: Arc::new(mask), setup, content, scales: Vec::new(), part: None, preparation })
     }
 
     /// Measures a soft segmentation; see [`Measurement::prepare_probability`].

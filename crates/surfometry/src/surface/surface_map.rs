@@ -117,7 +117,7 @@ impl Surface {
     }
 
     /// The area that each vertex stands for, mm^2: 0 where it has no curvature.
-    fn weights(&self) -> Vec<f64> {
+    pub(super) fn weights(&self) -> Vec<f64> {
         let mut areas = self.mesh.vertex_areas();
         for (area, vertex) in areas.iter_mut().zip(&self.vertices) {
             if !vertex.has_normal {

@@ -26,6 +26,8 @@ pub struct VertexGeometry {
     pub displacement: Option<f64>,
     /// Standard errors of its curvature, where the embedding has a model of them: the corrected one.
     pub errors: Option<CurvatureErrors>,
+    /// Blur at which curvature was taken, mm, where each vertex has its own.
+    pub curvature_sigma: Option<f32>,
     /// Whether the field has a gradient that a surface would have. Where it has collapsed, as half-way
     /// through parts that the blur nearly removed, curvature says nothing, and distributions leave the vertex
     /// out.
@@ -63,6 +65,7 @@ impl VertexGeometry {
             direction_2: world(direction_2),
             displacement,
             errors: None,
+            curvature_sigma: None,
             has_normal: true,
         }
     }
@@ -72,7 +75,16 @@ impl VertexGeometry {
         let direction_1 = tangent(normal);
         let curvature = Curvature { mean_curvature: 0.0, gaussian_curvature: 0.0 };
         let direction_2 = cross(normal, direction_1);
-        Self { normal, curvature, direction_1, direction_2, displacement, errors: None, has_normal: false }
+        Self {
+            normal,
+            curvature,
+            direction_1,
+            direction_2,
+            displacement,
+            errors: None,
+            curvature_sigma: None,
+            has_normal: false,
+        }
     }
 
     /// Named columns of many vertices. A number that any vertex lacks is left out.
@@ -95,6 +107,10 @@ impl VertexGeometry {
                 vertices.iter().map(|v| v.errors.map(|e| f64::from(error(&e)))).collect::<Option<_>>()?;
             Some(VertexArray { name, values: VertexValues::Scalar(values) })
         }));
+        let sigmas: Option<Vec<f64>> = vertices.iter().map(|v| v.curvature_sigma.map(f64::from)).collect();
+        if let Some(sigmas) = sigmas.filter(|sigmas| !sigmas.is_empty()) {
+            arrays.push(VertexArray { name: "curvature_sigma_mm", values: VertexValues::Scalar(sigmas) });
+        }
         arrays
     }
 }

@@ -64,7 +64,7 @@ impl Noise {
 /// weighted by area.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct LocalErrors {
-    /// Blur that was chosen, in rms spacings.
+    /// Blur that was chosen, or the one that the mesh was made at where each vertex has its own, in rms spacings.
     pub sigma_voxels: f64,
     /// Rms of the error of H in % of the rms curvature 1/R.
     pub mean_curvature: f64,
@@ -195,7 +195,7 @@ impl Case {
         Ok((self.noise.of(Phantom::new((self.shape.make)(scale), pose, spacing)?), scale))
     }
 
-    pub(super) fn run(&self, unit: &Unit, local: bool) -> Result<CaseResult, MeasureError> {
+    pub(super) fn run(&self, unit: &Unit, local: Option<CurvatureScale>) -> Result<CaseResult, MeasureError> {
         let (phantom, scale) = self.phantom(unit)?;
         let (truth, curvature) = (unit.truth.scaled(scale), unit.curvature / scale);
         let mask = phantom.labels()?.mask(1);
@@ -216,7 +216,7 @@ impl Case {
             standardised: standardised(&measured, &truth),
             euler_characteristic: measured.blurred.euler_characteristic.unwrap_or(f64::NAN) - chi as f64,
             mesh_euler_characteristic: measured.topology.euler_characteristic_mesh.unwrap_or(0) - chi,
-            local: if local { Some(local_errors(&phantom, &mask, curvature)?) } else { None },
+            local: local.map(|scale| local_errors(&phantom, &mask, curvature, scale)).transpose()?,
         })
     }
 }
@@ -231,8 +231,13 @@ fn standardised(measured: &Measured, truth: &Truth) -> Option<Globals> {
     })
 }
 
-fn local_errors(phantom: &Phantom, mask: &Mask, curvature: f64) -> Result<LocalErrors, MeasureError> {
-    let measurement = Measurement::default().for_local_curvature(mask, CurvatureScale::Auto)?;
+fn local_errors(
+    phantom: &Phantom,
+    mask: &Mask,
+    curvature: f64,
+    scale: CurvatureScale,
+) -> Result<LocalErrors, MeasureError> {
+    let measurement = Measurement::default().for_local_curvature(mask, scale)?;
     let object = measurement.prepare(mask)?;
     let surface = object.surface();
     if surface.is_empty() {

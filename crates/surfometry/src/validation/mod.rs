@@ -28,7 +28,7 @@ pub use rival::{Rivalry, Spread, against};
 pub use summary::{Summary, summarise};
 pub use zoo::{THIN_ZOO, ZOO, Zoo, ZooShape};
 
-use crate::measurement::MeasureError;
+use crate::measurement::{CurvatureScale, MeasureError};
 use case::Unit;
 use poses::pose;
 use rayon::prelude::*;
@@ -54,6 +54,8 @@ pub struct Validation {
     pub shapes: Vec<String>,
     /// Whether local curvature is looked at too.
     pub local: bool,
+    /// At which scale.
+    pub curvature: CurvatureScale,
 }
 
 impl Default for Validation {
@@ -68,6 +70,7 @@ impl Default for Validation {
             first_pose: 0,
             shapes: Vec::new(),
             local: true,
+            curvature: CurvatureScale::Auto,
         }
     }
 }
@@ -121,7 +124,7 @@ impl Validation {
     pub fn run(&self, progress: impl Fn() + Sync) -> Result<Vec<CaseResult>, MeasureError> {
         let units = self.units();
         let run = |case: &Case| {
-            let result = case.run(&units[case.shape.name], self.local);
+            let result = case.run(&units[case.shape.name], self.local.then_some(self.curvature));
             progress();
             result
         };
