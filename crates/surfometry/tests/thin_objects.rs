@@ -160,6 +160,9 @@ fn detail_is_told_or_given_back() {
     }
 }
 
+/// What is inside, and V, A and M.
+type Body<'a> = (&'a dyn Fn([f64; 3]) -> bool, [f64; 3]);
+
 /// Edges of a cube and rims of a cylinder, which no blur gives back: A is off by less than the blur's, and by no more than
 /// its error says.
 #[test]
@@ -168,8 +171,7 @@ fn edges_are_in_the_errors() {
     let cylinder = |[x, y, z]: [f64; 3]| x.hypot(y) < 10.0 && z.abs() < 10.0;
     let of_cube = [25f64.powi(3), 6.0 * 625.0, 75.0 * PI];
     let of_cylinder = [2000.0 * PI, 600.0 * PI, 20.0 * PI + 10.0 * PI * PI];
-    type Body<'a> = (&'a dyn Fn([f64; 3]) -> bool, [f64; 3]);
-    let bodies: [Body; 2] = [(&cube, of_cube), (&cylinder, of_cylinder)];
+    let bodies: [Body<'_>; 2] = [(&cube, of_cube), (&cylinder, of_cylinder)];
     for (number, (is_inside, truth)) in (0..3).flat_map(|n| bodies.map(|body| (n, body))) {
         let turned = pose(number);
         let grid = Grid::axis_aligned([56; 3], [1.0; 3]).unwrap();

@@ -116,18 +116,13 @@ fn write_members(
         let input = format!("{name}.nii.gz");
         let path = folder.join(&input);
         let row = known.iter().find(|row| row.phantom == spec && path.exists());
-        let truth = match row {
-            Some(row) => Truth::new(
-                row.volume_mm3,
-                row.surface_area_mm2,
-                row.total_mean_curvature_mm,
-                row.euler_characteristic,
-            ),
-            None => {
-                let (image, truth) = member.made()?;
-                write_labels(&path, &image).map_err(|e| failed(&path, e))?;
-                truth
-            }
+        let truth = if let Some(row) = row {
+            let [volume, area, mean] = [row.volume_mm3, row.surface_area_mm2, row.total_mean_curvature_mm];
+            Truth::new(volume, area, mean, row.euler_characteristic)
+        } else {
+            let (image, truth) = member.made()?;
+            write_labels(&path, &image).map_err(|e| failed(&path, e))?;
+            truth
         };
         rows.push(TruthRow {
             input,

@@ -190,7 +190,7 @@ impl Case {
         let spacing = [1.0, 1.0 / self.ratio.sqrt(), 1.0 / self.ratio];
         let UnitPose { degrees, shift, size } = self.pose;
         let pose = Pose::new(degrees, std::array::from_fn(|a| shift[a] * spacing[a]));
-        let radius = if self.shape.thin { 1.0 } else { 1.0 / unit.curvature };
+        let radius = self.shape.half_thickness.unwrap_or(1.0 / unit.curvature);
         let scale = size * self.resolution / radius;
         Ok((self.noise.of(Phantom::new((self.shape.make)(scale), pose, spacing)?), scale))
     }

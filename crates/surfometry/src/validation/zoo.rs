@@ -19,8 +19,8 @@ pub struct ZooShape {
     pub smooth: bool,
     /// Whether the surface is a ball's, or balls', whose curvature is the same everywhere.
     pub spherical: bool,
-    /// Whether it is thin: R is half its thickness then, which is 1 in its unit.
-    pub thin: bool,
+    /// Half the thickness of its unit, where it is thin: R is that of the shape then.
+    pub half_thickness: Option<f64>,
 }
 
 /// Which shapes.
@@ -57,11 +57,11 @@ impl Zoo {
 }
 
 const fn shape(name: &'static str, make: fn(f64) -> Box<dyn Shape>) -> ZooShape {
-    ZooShape { name, make, tuned: false, smooth: true, spherical: false, thin: false }
+    ZooShape { name, make, tuned: false, smooth: true, spherical: false, half_thickness: None }
 }
 
 const fn thin(name: &'static str, make: fn(f64) -> Box<dyn Shape>) -> ZooShape {
-    ZooShape { thin: true, ..shape(name, make) }
+    ZooShape { half_thickness: Some(1.0), ..shape(name, make) }
 }
 
 /// What is thin, in units of half its thickness.
