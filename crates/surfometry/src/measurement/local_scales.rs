@@ -28,7 +28,7 @@ pub(super) struct AtScale {
 /// Whether a mask has noise that no recovery should follow.
 pub(super) fn is_noisy(mask: &Mask, truncation: f64) -> bool {
     let sigma = SIGMA_OF_EVIDENCE * mask.grid().spacing().geometric_mean();
-    recovery(sigma, truncation).corrections(mask).noisy
+    recovery(sigma, truncation).is_noisy(mask)
 }
 
 fn recovery(sigma: f64, truncation: f64) -> Recovery {
@@ -67,6 +67,13 @@ impl Measurement {
 }
 
 impl Object {
+    /// The least and the largest sigma, mm, of which each vertex of the surface has one of its own; `None` where all
+    /// have that of [`Object::parameters`].
+    pub fn local_sigmas(&self) -> Option<[f64; 2]> {
+        let sigma = |scale: &AtScale| scale.setup.parameters.sigma_mm;
+        Some([sigma(self.scales.first()?)?, sigma(self.scales.last()?)?])
+    }
+
     /// The surface at the middle one of its scales, its vertices moved to where their own have it.
     pub(super) fn surface_at_local_scales(&self) -> Surface {
         let mut surface = self.bare_surface();

@@ -117,16 +117,20 @@ const OUTER_BINS: &str = "The outer bins hold all that lies beyond.";
 /// How the surface was made, as a paper's figure legend would say, and what has to be known of the picture.
 fn caption(object: &Object, remark: &str) -> String {
     let parameters = object.parameters();
-    let how = match (parameters.sigma_mm, parameters.level) {
-        (Some(sigma), _) if parameters.embedding == EmbeddingKind::Recovering => {
-            format!("Recovering embedding, sigma {} mm: the original surface", significant(sigma, 4))
+    let of = |sigma: f64| significant(sigma, 4);
+    let how = match (object.local_sigmas(), parameters.sigma_mm, parameters.level) {
+        (Some([least, most]), ..) => format!(
+            "Recovering embedding, sigma {} to {} mm by vertex: the original surface",
+            of(least),
+            of(most)
+        ),
+        (_, Some(sigma), _) if parameters.embedding == EmbeddingKind::Recovering => {
+            format!("Recovering embedding, sigma {} mm: the original surface", of(sigma))
         }
-        (Some(sigma), _) if parameters.embedding == EmbeddingKind::Corrected => {
-            format!("Corrected embedding, sigma {} mm: the original surface", significant(sigma, 4))
+        (_, Some(sigma), _) if parameters.embedding == EmbeddingKind::Corrected => {
+            format!("Corrected embedding, sigma {} mm: the original surface", of(sigma))
         }
-        (Some(sigma), Some(level)) => {
-            format!("Gaussian blur, sigma {} mm, level {level}", significant(sigma, 4))
-        }
+        (_, Some(sigma), Some(level)) => format!("Gaussian blur, sigma {} mm, level {level}", of(sigma)),
         _ => format!("{:?} embedding", parameters.embedding),
     };
     format!("{how}. {remark} surfometry {}", env!("CARGO_PKG_VERSION"))

@@ -187,6 +187,13 @@ impl Recovery {
         found
     }
 
+    /// Whether a mask looks noisy at this sigma: as [`Corrections::noisy`], without solving for any.
+    pub(crate) fn is_noisy(&self, mask: &Mask) -> bool {
+        let boundary = Boundary::new(mask, self.sigma, self.truncation);
+        let kernel = PairKernel::corrected(self.sigma, mask.grid().spacing().mm(), self.truncation);
+        self.first_list(mask, &boundary, &kernel).1.noisy
+    }
+
     /// The corrections of a mask. The same bits whatever the number of threads.
     pub fn corrections(&self, mask: &Mask) -> Corrections {
         let mut boundary = Boundary::new(mask, self.sigma, self.truncation);
