@@ -65,7 +65,7 @@ fn main() -> ExitCode {
     match outcome {
         Ok(status) => status.into(),
         Err(error) => {
-            output::say(&format!("{error:#}"));
+            output::say(&words_of(&error));
             status_of(&error).into()
         }
     }
@@ -75,4 +75,16 @@ fn main() -> ExitCode {
 /// the command, which has been refused by then if it was wrong.
 fn status_of(error: &anyhow::Error) -> u8 {
     if error.is::<std::io::Error>() { commands::SOME_FAILED } else { commands::WRONG_COMMAND }
+}
+
+/// An error with its causes, without those that its own words tell already.
+fn words_of(error: &anyhow::Error) -> String {
+    let mut words = String::new();
+    for cause in error.chain().map(ToString::to_string) {
+        if !words.contains(&cause) {
+            words += if words.is_empty() { "" } else { ": " };
+            words += &cause;
+        }
+    }
+    words
 }

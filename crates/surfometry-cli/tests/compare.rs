@@ -89,6 +89,12 @@ fn two_columns_of_one_table() {
 }
 
 #[test]
+fn a_cause_is_told_once() {
+    let missing = run(&["compare", "nowhere.csv", "nowhere.csv"]);
+    assert_eq!(text(&missing.stderr).matches("No such file").count(), 1, "{}", text(&missing.stderr));
+}
+
+#[test]
 fn tables_that_cannot_be_compared() {
     let folder = tempfile::tempdir().unwrap();
     let [method, standard] = tables(folder.path());
