@@ -180,7 +180,7 @@ impl Recovered {
         // Where all of it turns so, as of a tube, it is no edge.
         let edges = mesh.sharp_area * (1.0 - mesh.sharp_area / mesh.area);
         let sharp_curvature = edges / mesh.area * mesh.absolute_mean_curvature;
-        let area = mesh.area + of_area * (1.0 - TOO_FAR * lost) + EDGES_LOST[0] * lost * edges;
+        let area = mesh.area + of_area * (1.0 - TOO_FAR * lost).max(0.0) + EDGES_LOST[0] * lost * edges;
         let mean = mesh.total_mean_curvature + of_mean + EDGES_LOST[1] * lost * sharp_curvature;
         let unseen =
             libm::hypot(OF_NOISE * self.summary.noise, UNSEEN * (mesh.sharp_area / mesh.area).powi(2));
