@@ -107,15 +107,16 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
         bail!("no shape is called like that; there are {}", names.join(", "));
     }
     let progress = progress_bar(validation.cases().len(), quiet);
+    let made = validation.made()?;
     if let Some(folder) = &args.write {
-        write_zoo(folder, &validation.made()?, |_| progress.inc(1))?;
+        write_zoo(folder, &made, |_| progress.inc(1))?;
         progress.finish_and_clear();
         return Ok(ALL_DONE);
     }
-    let results = validation.run(|| progress.inc(1))?;
+    let results = validation.run_made(&made, || progress.inc(1))?;
     progress.finish_and_clear();
     if let Some(path) = &args.against {
-        let rivalries = against(path, &validation.made()?, &results)?;
+        let rivalries = against(path, &made, &results)?;
         if rivalries.is_empty() {
             bail!(
                 "{}: no row is of these phantoms; write them with --write, and the same other options",

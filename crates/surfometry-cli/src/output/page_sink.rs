@@ -46,13 +46,7 @@ impl PageSink {
     pub(crate) fn finish(&self, stopped: bool) -> Result<bool> {
         let mut page = self.page();
         let name = format!("{}: cannot be written", page.path.display());
-        page.save().with_context(|| name.clone())?;
-        let Some(mut out) = page.out.take() else { return Ok(false) };
-        if !stopped || out.partial().is_none() {
-            let text = page.text()?;
-            out.write_secured(text.as_bytes(), b"").and_then(|()| out.finish()).with_context(|| name)?;
-        }
-        Ok(true)
+        page.finish(stopped).with_context(|| name)
     }
 }
 
@@ -70,18 +64,37 @@ impl Page {
         text
     }
 
-    fn save(&mut self) -> io::Result<()> {
-        if self.objects.is_empty() {
-            return Ok(());
+    /// The file, begun where it is not yet; `None` where there is nothing to show.
+    fn begun(&mut self) -> io::Result<Option<ResultOutput>> {
+        match self.out.take() {
+            None if self.objects.is_empty() => Ok(None),
+            None => ResultOutput::create(&self.path).map(Some),
+            begun => Ok(begun),
         }
-        let text = self.text()?;
-        let out = match self.out.take() {
-            Some(out) => out,
-            None => ResultOutput::create(&self.path)?,
-        };
-        let out = self.out.insert(out);
+    }
+
+    fn save(&mut self) -> io::Result<()> {
+        let Some(mut out) = self.begun()? else { return Ok(()) };
         // A pipe takes a page once, at the end.
-        if out.partial().is_some() { out.write_secured(b"", text.as_bytes()) } else { Ok(()) }
+        let saved = match out.partial() {
+            Some(_) => self.text().and_then(|text| out.write_secured(b"", text.as_bytes())),
+            None => Ok(()),
+        };
+        self.out = Some(out);
+        saved
+    }
+
+    fn finish(&mut self, stopped: bool) -> io::Result<bool> {
+        let Some(mut out) = self.begun()? else { return Ok(false) };
+        let unfinished = stopped && out.partial().is_some();
+        let text = self.text()?;
+        if unfinished {
+            out.write_secured(b"", text.as_bytes())?;
+        } else {
+            out.write_secured(text.as_bytes(), b"")?;
+            out.finish()?;
+        }
+        Ok(true)
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::Layout;
 use surfometry::integrals::Globals;
-use surfometry::validation::{Rivalry, Summary};
+use surfometry::validation::{PoseErrors, Rivalry, Summary};
 
 const COLUMNS: [&str; 15] = [
     "shape",
@@ -61,7 +61,7 @@ pub(crate) fn rivalry_table(rivalries: &[Rivalry]) -> String {
         "shape", "R", "ratio", "poses", "V theirs", "ours", "A theirs", "ours", "M theirs", "ours",
     ]);
     for r in rivalries {
-        let cell = |spread: &surfometry::validation::Spread, part: fn(&Globals) -> f64| {
+        let cell = |spread: &PoseErrors, part: fn(&Globals) -> f64| {
             format!("{:+.2}, {:.2}", part(&spread.bias), part(&spread.rms))
         };
         let both = |part: fn(&Globals) -> f64| [cell(&r.theirs, part), cell(&r.ours, part)];

@@ -15,13 +15,18 @@ pub struct Globals {
 }
 
 impl Globals {
+    /// The same made of each of the three.
+    pub fn each(number: impl Fn(fn(&Self) -> f64) -> f64) -> Self {
+        Self {
+            volume: number(|one| one.volume),
+            area: number(|one| one.area),
+            total_mean_curvature: number(|one| one.total_mean_curvature),
+        }
+    }
+
     /// Of values and what each is changed by.
     #[must_use]
     pub fn plus(&self, other: &Self) -> Self {
-        Self {
-            volume: self.volume + other.volume,
-            area: self.area + other.area,
-            total_mean_curvature: self.total_mean_curvature + other.total_mean_curvature,
-        }
+        Self::each(|part| part(self) + part(other))
     }
 }

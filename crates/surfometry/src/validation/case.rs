@@ -128,6 +128,29 @@ impl MadeCase {
     pub fn errors(&self, values: &SurfaceValues) -> Globals {
         relative_errors(values, &self.truth, self.curvature)
     }
+
+    pub(super) fn run(&self, local: Option<CurvatureScale>) -> Result<CaseResult, MeasureError> {
+        let Self { case, phantom, truth, curvature } = self;
+        let mask = phantom.labels()?.mask(1);
+        let measured = Measurement::default().run_settled(&mask)?;
+        let chi = truth.euler_characteristic;
+        Ok(CaseResult {
+            shape: case.shape.name,
+            tuned: case.shape.tuned,
+            resolution: case.resolution,
+            ratio: case.ratio,
+            sigma_over_radius: measured.parameters.sigma_mm.unwrap_or(f64::NAN) * curvature,
+            pose: case.pose,
+            noise: case.noise,
+            embedding: measured.parameters.embedding,
+            blurred: self.errors(&measured.blurred),
+            original: self.errors(&measured.values),
+            standardised: standardised(&measured, truth),
+            euler_characteristic: measured.blurred.euler_characteristic.unwrap_or(f64::NAN) - chi as f64,
+            mesh_euler_characteristic: measured.topology.euler_characteristic_mesh.unwrap_or(0) - chi,
+            local: local.map(|scale| local_errors(phantom, &mask, *curvature, scale)).transpose()?,
+        })
+    }
 }
 
 /// What is known of a shape in its unit size.
@@ -193,31 +216,6 @@ impl Case {
         let radius = self.shape.half_thickness.unwrap_or(1.0 / unit.curvature);
         let scale = size * self.resolution / radius;
         Ok((self.noise.of(Phantom::new((self.shape.make)(scale), pose, spacing)?), scale))
-    }
-
-    pub(super) fn run(&self, unit: &Unit, local: Option<CurvatureScale>) -> Result<CaseResult, MeasureError> {
-        let (phantom, scale) = self.phantom(unit)?;
-        let (truth, curvature) = (unit.truth.scaled(scale), unit.curvature / scale);
-        let mask = phantom.labels()?.mask(1);
-        let measured = Measurement::default().run_settled(&mask)?;
-        let errors = |values: &SurfaceValues| relative_errors(values, &truth, curvature);
-        let chi = truth.euler_characteristic;
-        Ok(CaseResult {
-            shape: self.shape.name,
-            tuned: self.shape.tuned,
-            resolution: self.resolution,
-            ratio: self.ratio,
-            sigma_over_radius: measured.parameters.sigma_mm.unwrap_or(f64::NAN) * curvature,
-            pose: self.pose,
-            noise: self.noise,
-            embedding: measured.parameters.embedding,
-            blurred: errors(&measured.blurred),
-            original: errors(&measured.values),
-            standardised: standardised(&measured, &truth),
-            euler_characteristic: measured.blurred.euler_characteristic.unwrap_or(f64::NAN) - chi as f64,
-            mesh_euler_characteristic: measured.topology.euler_characteristic_mesh.unwrap_or(0) - chi,
-            local: local.map(|scale| local_errors(&phantom, &mask, curvature, scale)).transpose()?,
-        })
     }
 }
 

@@ -24,7 +24,7 @@ mod zoo;
 
 pub use case::{Case, CaseResult, LocalErrors, MadeCase, Noise};
 #[cfg(feature = "io")]
-pub use rival::{Rivalry, Spread, against};
+pub use rival::{PoseErrors, Rivalry, against};
 pub use summary::{Summary, summarise};
 pub use zoo::{THIN_ZOO, ZOO, Zoo, ZooShape};
 
@@ -108,13 +108,10 @@ impl Validation {
     /// # Errors
     /// [`MeasureError`] of a case whose grid is too large.
     pub fn made(&self) -> Result<Vec<MadeCase>, MeasureError> {
-        let units = self.units();
+        // The truth of a shape is that of its unit, scaled.
+        let units: BTreeMap<_, _> =
+            self.wanted().par_bridge().map(|shape| (shape.name, Unit::of(shape))).collect();
         self.cases().iter().map(|case| case.made(&units[case.shape.name])).collect()
-    }
-
-    /// By shape: the truth of a shape is that of its unit, scaled.
-    fn units(&self) -> BTreeMap<&'static str, Unit> {
-        self.wanted().par_bridge().map(|shape| (shape.name, Unit::of(shape))).collect()
     }
 
     /// Measures all cases; `progress` is told after each, from whichever thread.
@@ -122,12 +119,23 @@ impl Validation {
     /// # Errors
     /// [`MeasureError`] of a case that cannot be measured.
     pub fn run(&self, progress: impl Fn() + Sync) -> Result<Vec<CaseResult>, MeasureError> {
-        let units = self.units();
-        let run = |case: &Case| {
-            let result = case.run(&units[case.shape.name], self.local.then_some(self.curvature));
+        self.run_made(&self.made()?, progress)
+    }
+
+    /// The same of cases that were made already.
+    ///
+    /// # Errors
+    /// As of [`Validation::run`].
+    pub fn run_made(
+        &self,
+        made: &[MadeCase],
+        progress: impl Fn() + Sync,
+    ) -> Result<Vec<CaseResult>, MeasureError> {
+        let run = |case: &MadeCase| {
+            let result = case.run(self.local.then_some(self.curvature));
             progress();
             result
         };
-        self.cases().par_iter().map(run).collect()
+        made.par_iter().map(run).collect()
     }
 }

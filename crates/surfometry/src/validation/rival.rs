@@ -10,7 +10,7 @@ use std::path::Path;
 
 /// Mean and rms of the errors over poses, in %.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Spread {
+pub struct PoseErrors {
     /// Their mean.
     pub bias: Globals,
     /// The root of the mean of their squares.
@@ -29,9 +29,9 @@ pub struct Rivalry {
     /// Poses that the other has a row of; the rest does not count in either.
     pub cases: usize,
     /// The other's errors.
-    pub theirs: Spread,
+    pub theirs: PoseErrors,
     /// Ours on the same.
-    pub ours: Spread,
+    pub ours: PoseErrors,
 }
 
 /// Compares a table, whose column `input` names the files of
@@ -62,8 +62,8 @@ pub fn against(path: &Path, made: &[MadeCase], ours: &[CaseResult]) -> Result<Ve
         resolution: cases[0].0.resolution,
         ratio: cases[0].0.ratio,
         cases: cases.len(),
-        theirs: Spread::of(cases.iter().map(|case| case.1)),
-        ours: Spread::of(cases.iter().map(|case| case.0.original)),
+        theirs: PoseErrors::of(cases.iter().map(|case| case.1)),
+        ours: PoseErrors::of(cases.iter().map(|case| case.0.original)),
     };
     Ok(pairs.chunk_by(same).map(rivalry).collect())
 }
@@ -78,23 +78,15 @@ fn values_of(row: &crate::comparison::Row) -> SurfaceValues {
     }
 }
 
-impl Spread {
+impl PoseErrors {
     fn of(errors: impl Iterator<Item = Globals>) -> Self {
         let errors: Vec<Globals> = errors.collect();
-        let each = |part: fn(&Globals) -> f64, power: i32| {
-            errors.iter().map(|error| part(error).powi(power)).sum::<f64>() / errors.len() as f64
+        let mean = |power: i32| {
+            Globals::each(|part| {
+                errors.iter().map(|error| part(error).powi(power)).sum::<f64>() / errors.len() as f64
+            })
         };
-        let all = |power: i32| Globals {
-            volume: each(|e| e.volume, power),
-            area: each(|e| e.area, power),
-            total_mean_curvature: each(|e| e.total_mean_curvature, power),
-        };
-        let squares = all(2);
-        let rms = Globals {
-            volume: squares.volume.sqrt(),
-            area: squares.area.sqrt(),
-            total_mean_curvature: squares.total_mean_curvature.sqrt(),
-        };
-        Self { bias: all(1), rms }
+        let squares = mean(2);
+        Self { bias: mean(1), rms: Globals::each(|part| part(&squares).sqrt()) }
     }
 }

@@ -48,10 +48,8 @@ pub fn summarise(results: &[CaseResult]) -> Vec<Summary> {
 }
 
 fn summary(cases: &[CaseResult]) -> Summary {
-    let worst = |errors: &dyn Fn(&CaseResult) -> Globals| Globals {
-        volume: largest(cases.iter().map(|c| errors(c).volume)),
-        area: largest(cases.iter().map(|c| errors(c).area)),
-        total_mean_curvature: largest(cases.iter().map(|c| errors(c).total_mean_curvature)),
+    let worst = |errors: &dyn Fn(&CaseResult) -> Globals| {
+        Globals::each(|part| largest(cases.iter().map(|case| part(&errors(case)))))
     };
     let rms = |number: &dyn Fn(&CaseResult) -> Option<f64>| {
         let squares: Option<Vec<f64>> = cases.iter().map(|c| number(c).map(|n| n * n)).collect();

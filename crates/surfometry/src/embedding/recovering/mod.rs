@@ -135,6 +135,14 @@ impl Corrections {
     }
 }
 
+/// What is known before anything is solved.
+struct Begun {
+    boundary: Boundary,
+    kernel: PairKernel,
+    listed: Vec<Listed>,
+    evidence: Evidence,
+}
+
 /// A voxel that may be corrected.
 #[derive(Debug, Clone, Copy)]
 struct Listed {
@@ -153,9 +161,7 @@ impl Recovery {
     /// each axis at a time, the deepest. Where both end with every sign right their fields differ by less
     /// than a thousandth of a voxel; what takes minutes with all listed takes seconds.
     pub(crate) fn corrections_of_wide_blur(&self, mask: &Mask) -> Corrections {
-        let mut boundary = Boundary::new(mask, self.sigma, self.truncation);
-        let kernel = PairKernel::corrected(self.sigma, mask.grid().spacing().mm(), self.truncation);
-        let (candidates, evidence) = self.first_list(mask, &boundary, &kernel);
+        let Begun { mut boundary, kernel, listed: candidates, evidence } = self.begun(mask);
         let mut found = Corrections::of_evidence(&boundary, &evidence, candidates.len());
         let spread = Spread::new(self.sigma, mask.grid().spacing().mm());
         let cap = evidence.later * self.unit(mask) / kernel.peak();
@@ -189,16 +195,12 @@ impl Recovery {
 
     /// Whether a mask looks noisy at this sigma: as [`Corrections::noisy`], without solving for any.
     pub(crate) fn is_noisy(&self, mask: &Mask) -> bool {
-        let boundary = Boundary::new(mask, self.sigma, self.truncation);
-        let kernel = PairKernel::corrected(self.sigma, mask.grid().spacing().mm(), self.truncation);
-        self.first_list(mask, &boundary, &kernel).1.noisy
+        self.begun(mask).evidence.noisy
     }
 
     /// The corrections of a mask. The same bits whatever the number of threads.
     pub fn corrections(&self, mask: &Mask) -> Corrections {
-        let mut boundary = Boundary::new(mask, self.sigma, self.truncation);
-        let kernel = PairKernel::corrected(self.sigma, mask.grid().spacing().mm(), self.truncation);
-        let (mut listed, evidence) = self.first_list(mask, &boundary, &kernel);
+        let Begun { mut boundary, kernel, mut listed, evidence } = self.begun(mask);
         let is_listed = |number: &u32| listed.binary_search_by_key(number, |l| l.number).is_ok();
         let wrong = boundary.wrong().map(|number| number as u32);
         let refused: Vec<u32> = wrong.filter(|number| !is_listed(number)).collect();
@@ -229,6 +231,13 @@ impl Recovery {
     fn is_wider_than(&self, mask: &Mask) -> bool {
         let edges = mask.bounds().extent().into_iter().zip(mask.grid().spacing().mm());
         self.sigma > edges.map(|(voxels, h)| 0.5 * voxels as f64 * h).fold(0.0, f64::max)
+    }
+
+    fn begun(&self, mask: &Mask) -> Begun {
+        let boundary = Boundary::new(mask, self.sigma, self.truncation);
+        let kernel = PairKernel::corrected(self.sigma, mask.grid().spacing().mm(), self.truncation);
+        let (listed, evidence) = self.first_list(mask, &boundary, &kernel);
+        Begun { boundary, kernel, listed, evidence }
     }
 
     /// What is wrong at first, without what looks like noise.
