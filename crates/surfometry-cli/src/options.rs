@@ -202,7 +202,7 @@ fn length(text: &str) -> Result<Length, String> {
     if text == "auto" { Ok(Length::Auto) } else { positive(text).map(Length::Mm) }
 }
 
-fn scale(text: &str) -> Result<CurvatureScale, String> {
+pub(crate) fn scale(text: &str) -> Result<CurvatureScale, String> {
     match text {
         "auto" => Ok(CurvatureScale::Auto),
         "local" => Ok(CurvatureScale::Local),

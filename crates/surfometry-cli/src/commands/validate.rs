@@ -2,6 +2,7 @@
 
 use super::ALL_DONE;
 use crate::console::progress_bar;
+use crate::options::scale;
 use crate::output::{check_output, deliver, json_text, rivalry_table, validation_table};
 use crate::values::{one_of, positive};
 use anyhow::{Result, bail};
@@ -77,11 +78,8 @@ fn resolution(text: &str) -> Result<f64, String> {
 }
 
 fn automatic(text: &str) -> Result<CurvatureScale, String> {
-    match text {
-        "auto" => Ok(CurvatureScale::Auto),
-        "local" => Ok(CurvatureScale::Local),
-        _ => Err("it must be auto or local".to_owned()),
-    }
+    let automatic = scale(text).ok().filter(|scale| !matches!(scale, CurvatureScale::Mm(_)));
+    automatic.ok_or_else(|| "it must be auto or local".to_owned())
 }
 
 fn ratio(text: &str) -> Result<f64, String> {

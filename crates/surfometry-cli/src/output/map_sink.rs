@@ -33,12 +33,8 @@ impl MapSink {
     /// the name of an unfinished file.
     pub(crate) fn finish(mut self, outcome: Outcome) -> io::Result<String> {
         for (path, sink) in self.documents {
-            let out = sink.finish()?;
-            let unfinished = out.partial().filter(|_| outcome.stopped).map(|name| name.display().to_string());
-            if unfinished.is_none() {
-                out.finish()?;
-            }
-            self.names.push(unfinished.unwrap_or_else(|| path.display().to_string()));
+            let unfinished = sink.finish()?.end(outcome.stopped)?;
+            self.names.push(unfinished.unwrap_or(path).display().to_string());
         }
         self.names.push(String::new());
         Ok(self.names.join("\n"))

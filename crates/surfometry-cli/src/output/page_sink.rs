@@ -86,15 +86,11 @@ impl Page {
 
     fn finish(&mut self, stopped: bool) -> io::Result<bool> {
         let Some(mut out) = self.begun()? else { return Ok(false) };
-        let unfinished = stopped && out.partial().is_some();
         let text = self.text()?;
-        if unfinished {
-            out.write_secured(b"", text.as_bytes())?;
-        } else {
-            out.write_secured(text.as_bytes(), b"")?;
-            out.finish()?;
-        }
-        Ok(true)
+        // There is nothing left that could be saved.
+        self.objects.clear();
+        out.write_secured(text.as_bytes(), b"")?;
+        out.end(stopped).map(|_| true)
     }
 }
 

@@ -38,13 +38,7 @@ pub(crate) fn write_results<R: Row>(
         OutputFormat::Csv => CsvSink::new(out)
             .and_then(|mut sink| run(&mut sink).and_then(|outcome| Ok((outcome, sink.finish()?)))),
     };
-    let finished = written.and_then(|(outcome, out)| {
-        // A run that was stopped leaves its results under the name of an unfinished file.
-        if !outcome.stopped || out.partial().is_none() {
-            out.finish()?;
-        }
-        Ok(outcome)
-    });
+    let finished = written.and_then(|(outcome, out)| out.end(outcome.stopped).map(|_| outcome));
     match finished {
         // The reader went away, as `head` does: nothing is wrong.
         Err(error) if error.kind() == ErrorKind::BrokenPipe && options.path().is_none() => Ok(0),

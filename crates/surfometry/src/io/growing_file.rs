@@ -140,6 +140,18 @@ impl ResultOutput {
         }
     }
 
+    /// The same of a run that may have been stopped: a file keeps the name of an unfinished one then, which is
+    /// given.
+    ///
+    /// # Errors
+    /// As of [`ResultOutput::finish`].
+    pub fn end(self, stopped: bool) -> io::Result<Option<PathBuf>> {
+        match self.partial().filter(|_| stopped).map(Path::to_owned) {
+            None => self.finish().map(|()| None),
+            unfinished => Ok(unfinished),
+        }
+    }
+
     /// Takes away what was written to a file so far; what a stream was given is gone.
     ///
     /// # Errors
