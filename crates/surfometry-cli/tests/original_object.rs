@@ -243,7 +243,8 @@ fn another_program_goes_through_the_zoo() {
     );
     let found = in_folder(&["--against", "ours.csv", "--format", "json"]);
     let rivalries: serde_json::Value = serde_json::from_slice(&found.stdout).unwrap();
-    for rivalry in rivalries.as_array().unwrap() {
+    assert_eq!(rivalries["schema"], "surfometry.validate-against/1");
+    for rivalry in rivalries["results"].as_array().unwrap() {
         assert_eq!(rivalry["cases"], 2);
         // The voxel size of files is a f32.
         let error = |who: &str| rivalry[who]["rms"]["surface_area"].as_f64().unwrap();
@@ -253,6 +254,16 @@ fn another_program_goes_through_the_zoo() {
     std::fs::write(folder.path().join("truth.csv"), truth).unwrap();
     let exact = in_folder(&["--against", "truth.csv"]);
     assert!(text(&exact.stdout).contains("+0.00, 0.00"), "{}", text(&exact.stdout));
+    // A phantom twice, and a word for a number.
+    let ours = std::fs::read_to_string(folder.path().join("ours.csv")).unwrap();
+    let row = ours.lines().nth(1).unwrap();
+    std::fs::write(folder.path().join("twice.csv"), format!("{ours}{row}\n")).unwrap();
+    std::fs::write(folder.path().join("words.csv"), format!("input,volume_mm3\n{},big\n", names[0])).unwrap();
+    for (table, said) in [("twice.csv", "more than once"), ("words.csv", "no number")] {
+        let refused = in_folder(&["--against", table]);
+        assert_eq!(refused.status.code(), Some(2));
+        assert!(text(&refused.stderr).contains(said), "{}", text(&refused.stderr));
+    }
     std::fs::write(folder.path().join("none.csv"), "input,volume_mm3\nx.nii,1\n").unwrap();
     assert_eq!(in_folder(&["--against", "none.csv"]).status.code(), Some(2));
 }

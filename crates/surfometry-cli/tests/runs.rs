@@ -166,3 +166,15 @@ fn rows_in_the_order_of_the_inputs() {
     let one = String::from_utf8(one.stdout).unwrap();
     assert_eq!(one.lines().next().unwrap().split(',').collect::<Vec<_>>(), header);
 }
+
+/// A page goes to stdout where that is asked for.
+#[test]
+fn a_page_goes_to_stdout() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut command = Command::new(BINARY);
+    let arguments = ["report", "phantom:ball?radius=5", "-o", "-"];
+    let output = command.current_dir(folder.path()).args(arguments).output().unwrap();
+    assert_eq!(output.status.code(), Some(0));
+    assert!(String::from_utf8_lossy(&output.stdout).contains("phantom:ball?radius=5"));
+    assert!(documents(folder.path()).is_empty());
+}

@@ -123,7 +123,11 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
         }
         let text = match args.format {
             Format::Table => rivalry_table(&rivalries),
-            Format::Json => json_text(&rivalries)?,
+            Format::Json => json_text(&json!({
+                "schema": "surfometry.validate-against/1",
+                "version": env!("CARGO_PKG_VERSION"),
+                "results": rivalries,
+            }))?,
         };
         deliver(&text, args.output.as_deref())?;
         return Ok(ALL_DONE);

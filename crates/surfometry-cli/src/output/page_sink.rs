@@ -3,7 +3,7 @@
 use super::say;
 use anyhow::{Context, Result};
 use std::io;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use surfometry::io::ResultOutput;
 use surfometry::report::{HashedInput, ObjectReport, Provenance, Report, ReportPart, render};
@@ -68,6 +68,7 @@ impl Page {
     fn begun(&mut self) -> io::Result<Option<ResultOutput>> {
         match self.out.take() {
             None if self.objects.is_empty() => Ok(None),
+            None if self.path == Path::new("-") => Ok(Some(ResultOutput::stdout())),
             None => ResultOutput::create(&self.path).map(Some),
             begun => Ok(begun),
         }

@@ -55,7 +55,11 @@ impl<'a> Matching<'a> {
     }
 }
 
-fn by_name(
+/// The rows of a table by what an object is called.
+///
+/// # Errors
+/// [`TableError::Twice`].
+pub(crate) fn by_name(
     table: &Table,
     name: impl Fn(&ObjectKey) -> ObjectKey,
 ) -> Result<BTreeMap<ObjectKey, &Row>, TableError> {

@@ -1,6 +1,6 @@
 //! Agreement, column by column.
 
-use super::{Matching, ObjectKey, Row, Table, TableError};
+use super::{Matching, ObjectKey, Table, TableError};
 use crate::statistics::{Agreement, Bootstrap, ConfusionMatrix, EulerRounding, Paired};
 use serde::Serialize;
 
@@ -169,17 +169,9 @@ fn values(
     [method, standard]: [&Table; 2],
     pair: &ColumnPair,
 ) -> Result<Vec<PairedValue>, TableError> {
-    let number = |table: &Table, row: &Row, column: &str| {
-        row.number(column).map_err(|text| TableError::NotANumber {
-            path: table.path.clone(),
-            object: row.key.to_string(),
-            column: column.to_owned(),
-            text: text.to_owned(),
-        })
-    };
     let mut values = Vec::new();
     for (own, other) in &matching.pairs {
-        let found = (number(method, own, &pair.method)?, number(standard, other, &pair.standard)?);
+        let found = (method.number(own, &pair.method)?, standard.number(other, &pair.standard)?);
         if let (Some(method), Some(standard)) = found {
             values.push(PairedValue { object: own.key.clone(), method, standard });
         }

@@ -21,6 +21,7 @@ mod measures;
 mod table;
 
 pub use matching::Matching;
+pub(crate) use matching::by_name;
 pub use measures::{
     COMPARE_SCHEMA, ColumnPair, Comparison, EulerAgreement, MeasureAgreement, PairedValue, compare,
 };

@@ -132,6 +132,19 @@ pub enum TableError {
 }
 
 impl Table {
+    /// The number in a cell of a row of it; `None` of an empty cell.
+    ///
+    /// # Errors
+    /// [`TableError::NotANumber`].
+    pub fn number(&self, row: &Row, column: &str) -> Result<Option<f64>, TableError> {
+        row.number(column).map_err(|text| TableError::NotANumber {
+            path: self.path.clone(),
+            object: row.key.to_string(),
+            column: column.to_owned(),
+            text: text.to_owned(),
+        })
+    }
+
     /// Reads a table; rows of inputs that failed (whose column `error` is not empty) are left out.
     ///
     /// # Errors

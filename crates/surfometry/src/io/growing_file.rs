@@ -34,9 +34,9 @@ impl GrowingFile {
         let mut name = target.file_name().map_or_else(OsString::new, OsString::from);
         name.push(".partial");
         let partial = target.with_file_name(name);
-        // Nobody but such a run makes a file of that name, and none a link.
-        if partial.is_symlink() {
-            let error = format!("{} is a link: remove it", partial.display());
+        // Nobody but such a run makes a file of that name, and none a link or a pipe.
+        if fs::symlink_metadata(&partial).is_ok_and(|there| !there.is_file()) {
+            let error = format!("{} is no file: remove it", partial.display());
             return Err(io::Error::new(io::ErrorKind::AlreadyExists, error));
         }
         let file = File::options().write(true).create(true).truncate(false).open(&partial)?;

@@ -147,6 +147,12 @@ enum Done<'a, R> {
     Stopped,
 }
 
+impl<R> Done<'_, R> {
+    fn items(self) -> Option<Vec<Item<R>>> {
+        if let Self::All(items) = self { Some(items) } else { None }
+    }
+}
+
 impl Batch<'_> {
     /// Does a task with every input. An input that fails is handed to the sink as a failure, and the others
     /// are done.
@@ -180,7 +186,10 @@ impl Batch<'_> {
                         Done::Stopped => outcome.stopped = true,
                     }
                     if outcome.stopped {
-                        return Ok(());
+                        // What was finished behind one that was not.
+                        early.extend(receiver.try_iter());
+                        let done = early.into_values().filter_map(Done::items);
+                        return done.flatten().try_for_each(|item| outcome.hand(item, sink));
                     }
                     sink.input_ends()?;
                     self.control.tell(&Event::Finished { input: name });

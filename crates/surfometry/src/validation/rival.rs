@@ -1,11 +1,10 @@
 //! Another program's numbers for the phantoms of the zoo, beside ours.
 
 use super::{CaseResult, MadeCase};
-use crate::comparison::{Table, TableError};
+use crate::comparison::{ObjectKey, Row, Table, TableError, by_name};
 use crate::integrals::Globals;
 use crate::measurement::SurfaceValues;
 use serde::Serialize;
-use std::collections::HashMap;
 use std::path::Path;
 
 /// Mean and rms of the errors over poses, in %.
@@ -39,20 +38,16 @@ pub struct Rivalry {
 /// `total_mean_curvature_mm`; a missing one is NaN), with our results of the same cases, in their order.
 ///
 /// # Errors
-/// [`TableError`] of a table that cannot be read.
+/// [`TableError`] of a table that cannot be read, has a phantom twice, or words for numbers.
 pub fn against(path: &Path, made: &[MadeCase], ours: &[CaseResult]) -> Result<Vec<Rivalry>, TableError> {
     let table = Table::read(path)?;
-    let name = |input: &str| {
-        let file = Path::new(input).file_name().unwrap_or_default().to_string_lossy().into_owned();
-        [".nii.gz", ".nii"].iter().find_map(|end| file.strip_suffix(end)).unwrap_or(&file).to_owned()
-    };
-    let rows: HashMap<String, SurfaceValues> =
-        table.rows.iter().map(|row| (name(&row.key.input), values_of(row))).collect();
-    let pairs: Vec<_> = made
-        .iter()
-        .zip(ours)
-        .filter_map(|(made, ours)| Some((ours, made.errors(rows.get(&made.case.name())?))))
-        .collect();
+    let rows = by_name(&table, |key| called(phantom_of(&key.input)))?;
+    let mut pairs = Vec::new();
+    for (made, ours) in made.iter().zip(ours) {
+        if let Some(row) = rows.get(&called(made.case.name())) {
+            pairs.push((ours, made.errors(&values_of(&table, row)?)));
+        }
+    }
     let same = |a: &(&CaseResult, Globals), b: &(&CaseResult, Globals)| {
         (a.0.shape, a.0.resolution.to_bits(), a.0.ratio.to_bits())
             == (b.0.shape, b.0.resolution.to_bits(), b.0.ratio.to_bits())
@@ -68,14 +63,24 @@ pub fn against(path: &Path, made: &[MadeCase], ours: &[CaseResult]) -> Result<Ve
     Ok(pairs.chunk_by(same).map(rivalry).collect())
 }
 
-fn values_of(row: &crate::comparison::Row) -> SurfaceValues {
-    let number = |column: &str| row.number(column).ok().flatten();
-    SurfaceValues {
-        volume_mm3: number("volume_mm3"),
-        surface_area_mm2: number("surface_area_mm2"),
-        total_mean_curvature_mm: number("total_mean_curvature_mm"),
+/// What a phantom's file is called, without folders and endings.
+fn phantom_of(input: &str) -> String {
+    let file = Path::new(input).file_name().unwrap_or_default().to_string_lossy().into_owned();
+    [".nii.gz", ".nii"].iter().find_map(|end| file.strip_suffix(end)).unwrap_or(&file).to_owned()
+}
+
+/// A phantom has one object.
+fn called(input: String) -> ObjectKey {
+    ObjectKey { input, label: String::new(), component: String::new() }
+}
+
+fn values_of(table: &Table, row: &Row) -> Result<SurfaceValues, TableError> {
+    Ok(SurfaceValues {
+        volume_mm3: table.number(row, "volume_mm3")?,
+        surface_area_mm2: table.number(row, "surface_area_mm2")?,
+        total_mean_curvature_mm: table.number(row, "total_mean_curvature_mm")?,
         ..SurfaceValues::default()
-    }
+    })
 }
 
 impl PoseErrors {
