@@ -148,7 +148,8 @@ proptest! {
             let parts: Vec<PartialMeasurement> = boxes(&cuts).into_iter().map(part).collect();
             let all = merged(parts.clone(), &order);
             prop_assert_eq!(&whole, &without_times(&all.results().unwrap()));
-            prop_assert_eq!(all, merged(parts, &other_order));
+            let in_other_order = merged(parts, &other_order);
+            prop_assert_eq!(&whole, &without_times(&in_other_order.results().unwrap()));
         }
     }
 }

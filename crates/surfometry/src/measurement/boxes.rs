@@ -22,8 +22,9 @@ const SCHEMA: &str = "surfometry-partial/2";
 /// read, and merged with those of the other boxes in any order.
 ///
 /// Sums are exact and hang on the image, not on the boxes, so the value of all boxes gives the bits of
-/// [`Measurement::run_labels`], topology included. Equal boxes give equal values, and but for the times in
-/// them equal bytes, in whatever order they were merged.
+/// [`Measurement::run_labels`], topology included, in whatever order they were merged. Two values of the same
+/// boxes may differ all the same: in the times in them, and in how much of an object's finished parts they
+/// still hold.
 ///
 /// ```
 /// # use surfometry::{Measurement, measurement::PartialMeasurement, tiling::IndexBox};
