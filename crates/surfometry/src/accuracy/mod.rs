@@ -33,4 +33,4 @@ pub(crate) use scale_choice::{largest_agreeing, noise_factor, vertex_noise};
 pub use soft_edges::SoftEdges;
 pub use terraces::Terraces;
 pub use uncertainty::{ErrorModel, IntegralErrors};
-pub(crate) use uncertainty::{left_of_terraces, of_average};
+pub(crate) use uncertainty::{SHARED, left_of_terraces, of_average};

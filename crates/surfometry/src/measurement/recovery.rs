@@ -2,9 +2,9 @@
 
 use super::SurfaceValues;
 use super::setup::Setup;
-use crate::accuracy::{Flag, FlagCode, left_of_terraces, of_average};
+use crate::accuracy::{Flag, FlagCode, SHARED, left_of_terraces, of_average};
 use crate::embedding::{CorrectedMask, Corrections, Price, Recovery};
-use crate::surface::{Surface, VertexGeometry};
+use crate::surface::{Creases, Surface, VertexGeometry};
 use crate::volume::{Mask, Spacing};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
@@ -53,6 +53,8 @@ struct Mesh {
     sharp_mean_curvature: f64,
     /// Area that turns within [`CREASE`].
     creased_area: f64,
+    /// What rounding may have taken where flat faces meet.
+    creases: Creases,
 }
 
 /// The corrections of an object's mask.
@@ -107,8 +109,8 @@ impl RecoverySummary {
 
 /// What a random pose does to A and M, as shares of A and of the integral of |H|, and what else corrections leave: in units of
 /// the root of the share that the blur would lose, of A; of that share, of M.
-const POSES: [f64; 2] = [0.005, 0.006];
-const LEFT: [f64; 2] = [0.02, 0.10];
+const POSES: [f64; 2] = [0.0045, 0.006];
+const LEFT: [f64; 2] = [0.018, 0.10];
 /// Shares of what the shift to the voxels' volume changes that may be wrong: parts of an object are short of it by more or less.
 const OF_SHIFT: [f64; 2] = [0.4, 0.3];
 /// Share of that shift's area that goes too far, in units of the share that the blur would lose: thin parts are short of
@@ -118,19 +120,24 @@ const TOO_FAR: f64 = 1.7;
 /// noise from the shape, in units of the square of the share that turns as sharply ([`SHARP`]): 1 of thin tubes, of which 1 %
 /// of flipped voxels make A 2 to 4 % larger.
 const OF_NOISE: f64 = 0.3;
-const UNSEEN: f64 = 0.025;
+const UNSEEN: f64 = 0.02;
 /// The same of V, in units of the level of noise times A and a spacing.
 const OF_NOISE_IN_VOLUME: f64 = 0.2;
 /// Radius of curvature, in geometric mean spacings, below which a rounded edge and a thin part are not told apart.
 const SHARP: f64 = 2.2;
 /// Shares of such area that may be missing, and of its integral of |H|, where the rest is not sharp: where rods stand on a
 /// body, or holes go into it, a rounded foot stands for a crease.
-const OF_EDGES: [f64; 2] = [0.06, 0.04];
+const OF_EDGES: [f64; 2] = [0.03, 0.04];
 /// The same radius of a crease: of smooth bodies, even of thin ones, little is so sharp.
 const CREASE: f64 = 1.5;
-/// Share of creased area that may be missing on a body that is not sharp elsewhere. No voxel's centre is on the wrong side of
-/// a rounded crease. Cubes, boxes, cylinders and cones, 1.6 to 4 % short of A, are so by 1.2 to 2.5 standard errors.
+/// Share of creased area that may be missing on a body that is not sharp elsewhere, as at edges of curved faces.
 const OF_CREASES: f64 = 0.33;
+/// What is given back of the area that [`Creases`] may have lost, and how much of it may be wrong: a rounded edge of a mask
+/// may be one of the object.
+const GIVEN_BACK: f64 = 0.25;
+const OF_LOST: f64 = 0.55;
+/// Share of the integral of |H| over hollow creases that M may be wrong by: the feet of rods, the bottoms of holes.
+const OF_HOLLOW: f64 = 0.45;
 /// What is missing there, of A in units of such area and of the integral of |H| in units of the share of such area; both in
 /// units of the share that the blur would lose.
 const EDGES_LOST: [f64; 2] = [0.45, 0.3];
@@ -162,6 +169,7 @@ impl Recovered {
             sharp_area,
             sharp_mean_curvature,
             creased_area,
+            creases: Creases::of(surface, &areas, spacing.geometric_mean()),
         };
         Self { surface: (area > 0.0).then_some(surface), ..self }
     }
@@ -178,26 +186,19 @@ impl Recovered {
             [2.0 * mesh.total_mean_curvature * shift + gaussian * shift * shift, gaussian * shift];
         let lost = self.summary.share();
         // Where all of it turns so, as of a tube, it is no edge.
-        let edges = mesh.sharp_area * (1.0 - mesh.sharp_area / mesh.area);
+        let edges = mesh.sharp_area * (1.0 - mesh.sharp_share());
         let sharp_curvature = edges / mesh.area * mesh.absolute_mean_curvature;
-        let area = mesh.area + of_area * (1.0 - TOO_FAR * lost).max(0.0) + EDGES_LOST[0] * lost * edges;
+        let area = mesh.area
+            + of_area * (1.0 - TOO_FAR * lost).max(0.0)
+            + EDGES_LOST[0] * lost * edges
+            + GIVEN_BACK * mesh.creases.lost_area;
         let mean = mesh.total_mean_curvature + of_mean + EDGES_LOST[1] * lost * sharp_curvature;
-        let unseen =
-            libm::hypot(OF_NOISE * self.summary.noise, UNSEEN * (mesh.sharp_area / mesh.area).powi(2));
-        let [area_terraces, mean_terraces] = left_of_terraces(spacing, sigma);
-        let of_all = |shares: &[f64]| shares.iter().fold(0.0, |all, &one| libm::hypot(all, one));
-        let area_error = of_all(&[
-            mesh.area * of_all(&[POSES[0], LEFT[0] * lost.sqrt(), unseen, area_terraces]),
-            OF_SHIFT[0] * of_area,
-            OF_EDGES[0] * edges,
-            OF_CREASES * mesh.creased_area * (1.0 - mesh.sharp_area / mesh.area).powi(5),
-        ]);
-        let mean_error = of_all(&[
-            mesh.absolute_mean_curvature * of_all(&[POSES[1], LEFT[1] * lost, unseen, mean_terraces]),
-            OF_SHIFT[1] * of_mean,
-            OF_EDGES[1] * mesh.sharp_mean_curvature * (1.0 - mesh.sharp_area / mesh.area),
-        ]);
-        let average_error = of_average([area, mean], [area_error, mean_error]);
+        let of_pose = self.errors_of_pose(&mesh, [of_area, of_mean], left_of_terraces(spacing, sigma));
+        let of_edges = mesh.errors_of_edges();
+        let [area_error, mean_error] = [0, 1].map(|n| libm::hypot(of_pose[n], of_edges[n]));
+        // What edges lose of A says nothing of M.
+        let average_error =
+            libm::hypot(of_average([area, mean], of_pose, SHARED), of_average([area, mean], of_edges, 0.0));
         let of = |area, mean, average| SurfaceValues {
             surface_area_mm2: Some(area),
             total_mean_curvature_mm: Some(mean),
@@ -206,4 +207,44 @@ impl Recovered {
         };
         Some([of(area, mean, mean / area), of(area_error, mean_error, average_error)])
     }
+    /// Errors of A and M that hang on where the object lies in the grid, on noise and on the shift, by what the shift changes
+    /// and what terraces leave.
+    fn errors_of_pose(&self, mesh: &Mesh, shift: [f64; 2], terraces: [f64; 2]) -> [f64; 2] {
+        let lost = self.summary.share();
+        let sharp = mesh.sharp_share();
+        let unseen = libm::hypot(OF_NOISE * self.summary.noise, UNSEEN * sharp * sharp);
+        let left = [LEFT[0] * lost.sqrt(), LEFT[1] * lost];
+        let whole = [mesh.area, mesh.absolute_mean_curvature];
+        [0, 1].map(|n| {
+            let share = of_all(&[POSES[n], left[n], unseen, terraces[n]]);
+            libm::hypot(whole[n] * share, OF_SHIFT[n] * shift[n])
+        })
+    }
+}
+
+impl Mesh {
+    fn sharp_share(&self) -> f64 {
+        self.sharp_area / self.area
+    }
+
+    /// Errors of A and M by edges that a rounded surface may stand for.
+    fn errors_of_edges(&self) -> [f64; 2] {
+        let rest = 1.0 - self.sharp_share();
+        [
+            of_all(&[
+                OF_EDGES[0] * self.sharp_area * rest,
+                OF_CREASES * self.creased_area * rest.powi(5),
+                OF_LOST * self.creases.lost_area,
+            ]),
+            of_all(&[
+                OF_EDGES[1] * self.sharp_mean_curvature * rest,
+                OF_HOLLOW * self.creases.hollow_mean_curvature,
+            ]),
+        ]
+    }
+}
+
+/// What independent causes add up to.
+fn of_all(errors: &[f64]) -> f64 {
+    errors.iter().fold(0.0, |all, &one| libm::hypot(all, one))
 }

@@ -12,6 +12,7 @@
 
 mod cell;
 mod cell_interior;
+mod creases;
 mod curvature_summary;
 mod distribution;
 mod isosurface;
@@ -27,6 +28,7 @@ mod vertex_geometry;
 
 #[cfg(feature = "pictures")]
 pub(crate) use cell_interior::inside_is_joined;
+pub(crate) use creases::Creases;
 pub use curvature_summary::CurvatureSummary;
 pub use distribution::{Distribution, Histogram, Moments, QUANTILES};
 pub use isosurface::{SurfaceSummary, extract};
