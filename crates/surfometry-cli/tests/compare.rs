@@ -305,3 +305,48 @@ fn a_cohort_and_its_truth() {
     }
     assert_eq!((row[6], record["topology"]["euler_characteristic_mesh"].as_i64()), ("2", Some(2)));
 }
+
+/// A ball that the image cuts in half: the flag stands under the table and in every row, the cut face is told apart, and
+/// of the ball's chi of 2 the half has its share, 1.
+#[test]
+fn samples_are_flagged() {
+    use surfometry::volume::{Grid, LabelImage};
+    let folder = tempfile::tempdir().unwrap();
+    let file = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let inside = |x: usize, y: usize, z: usize| {
+        let from = [x as f64 - 15.3, y as f64 - 14.8, z as f64 + 0.5];
+        from.iter().map(|d| d * d).sum::<f64>() < 144.0
+    };
+    let at = (0..15usize * 31 * 31).map(|n| (n % 31, n / 31 % 31, n / 961));
+    let voxels: Vec<u8> = at.map(|(x, y, z)| u8::from(inside(x, y, z))).collect();
+    let grid = Grid::axis_aligned([31, 31, 15], [1.0; 3]).unwrap();
+    let (image, table) = (file("half.nii.gz"), file("half.csv"));
+    surfometry::io::write_labels(&image, &LabelImage::from_voxels(grid, &voxels).unwrap()).unwrap();
+    let shown = run(&["reference", &image]);
+    assert_eq!(
+        text(&shown.stdout).matches("! touches-border: the edge of the image cuts the object").count(),
+        1
+    );
+    assert!(run(&["reference", &image, "-o", &table]).status.success());
+    let mut rows = csv_rows(&table);
+    assert!(rows.iter().all(|row| row["flags"] == "touches-border"));
+    let mut row = |method: &str| rows.remove(rows.iter().position(|row| row["method"] == method).unwrap());
+    let (euler, lindblad) = (row("odgaard-gundersen-26"), row("lindblad"));
+    let number =
+        |row: &std::collections::HashMap<String, String>, name: &str| row[name].parse::<f64>().unwrap();
+    assert_eq!(number(&euler, "euler_characteristic"), 2.0);
+    assert_eq!(number(&euler, "euler_characteristic_edge_corrected"), 1.0);
+    let total = 31.0 * 31.0 * 15.0;
+    assert!((number(&euler, "connectivity_density_edge_corrected_per_mm3") - 0.5 / total).abs() < 1e-12);
+    let half_sphere = 2.0 * std::f64::consts::PI * 144.0;
+    let open = number(&lindblad, "specific_surface_without_cuts_per_mm") * number(&lindblad, "volume_mm3");
+    assert!((open / half_sphere - 1.0).abs() < 0.01, "{open} {half_sphere}");
+    assert!(number(&lindblad, "surface_area_mm2") > 1.35 * half_sphere);
+}
+
+fn csv_rows(path: &str) -> Vec<std::collections::HashMap<String, String>> {
+    let text = std::fs::read_to_string(path).unwrap();
+    let mut lines = text.lines().map(|line| line.split(',').map(str::to_owned));
+    let names: Vec<String> = lines.next().unwrap().collect();
+    lines.map(|cells| names.iter().cloned().zip(cells).collect()).collect()
+}
