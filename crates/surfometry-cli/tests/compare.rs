@@ -186,6 +186,31 @@ fn methods_as_rows() {
     assert!(unlike.contains("name one of each"), "{unlike}");
 }
 
+/// What `validate` writes: the phantoms' truth, and the errors of all cases, of the original object by default.
+#[test]
+fn tables_of_validate() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let zoo =
+        ["validate", "--shape", "ball", "--resolutions", "8", "--ratios", "1", "--poses", "2", "--no-local"];
+    let (place, cases, ours) = (file("zoo"), file("cases.json"), file("ours.csv"));
+    assert!(run(&[&zoo[..], &["--write", &place]].concat()).status.success());
+    assert!(run(&[&zoo[..], &["--format", "json", "-o", &cases]].concat()).status.success());
+    assert!(run(&["measure", &format!("{place}/*.nii.gz"), "-o", &ours]).status.success());
+    let truth = format!("{place}/truth.csv");
+    assert!(text(&run(&["compare", &ours, &truth]).stdout).contains("ours against truth: 4 objects"));
+    let mm3 = bias_of(&[&ours, &truth, "--column", "volume_mm3"], folder.path()).unwrap();
+    assert!(mm3.abs() < 30.0, "{mm3}");
+    let errors = run(&["compare", &cases, &cases, "--names", "a,b"]);
+    for column in ["original_volume", "original_surface_area", "original_total_mean_curvature"] {
+        assert!(text(&errors.stdout).contains(&format!("\n{column}\n")), "{}", text(&errors.stdout));
+    }
+    // The blur of two voxels takes 10 to 20 % of the area of balls of 8 voxels, and compensation gives it back.
+    let blur = "blurred_surface_area:original_surface_area";
+    let percent = bias_of(&[&cases, &cases, "--column", blur], folder.path()).unwrap();
+    assert!((-25.0..-8.0).contains(&percent), "{percent}");
+}
+
 /// What was measured against what is exact: two columns of one table.
 #[test]
 fn two_columns_of_one_table() {

@@ -12,7 +12,7 @@ use surfometry::statistics::Bootstrap;
 
 /// Compare two tables of the same objects: regression, Bland-Altman, concordance, Euler characteristics
 ///
-/// Tables are what `measure`, `reference`, `sweep`, `validate --write` and `cohort` write, as CSV, JSON or JSONL,
+/// Tables are what `measure`, `reference`, `sweep`, `validate` and `cohort` write, as CSV, JSON or JSONL,
 /// or CSV of other programs, with commas, semicolons or tabs; a folder stands for all tables in it. Objects
 /// are matched by the columns input and label, as far as both tables have them, and by file names without
 /// folders and endings where these differ. Where an object has a row for each of several methods, the

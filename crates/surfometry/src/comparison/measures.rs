@@ -9,9 +9,17 @@ use std::collections::BTreeMap;
 
 /// Name and version of the document.
 pub const COMPARE_SCHEMA: &str = "surfometry.compare/1";
-/// Compared where both tables have them.
-const MEASURES: [&str; 5] =
-    ["volume_mm3", "surface_area_mm2", "total_mean_curvature_mm", "average_mean_curvature_per_mm", EULER];
+/// Compared where both tables have them; the last are errors, of `validate`.
+const MEASURES: [&str; 8] = [
+    "volume_mm3",
+    "surface_area_mm2",
+    "total_mean_curvature_mm",
+    "average_mean_curvature_per_mm",
+    EULER,
+    "original_volume",
+    "original_surface_area",
+    "original_total_mean_curvature",
+];
 /// Columns with this in their name hold Euler characteristics: classes, not sizes.
 const EULER: &str = "euler_characteristic";
 

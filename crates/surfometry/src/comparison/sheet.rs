@@ -62,12 +62,12 @@ impl Sheet {
         Ok(Self { path: path.to_owned(), columns, records })
     }
 
-    /// The `results` of a document.
+    /// The `results` of a document, or the `cases` of one of `validate`.
     fn of_document(path: &Path, text: &str) -> Result<Self, TableError> {
         let wrong = |why: String| TableError::Document { path: path.to_owned(), why };
         let document: Value = serde_json::from_str(text).map_err(|e| wrong(e.to_string()))?;
-        let results =
-            document["results"].as_array().ok_or_else(|| wrong("it has no `results`".to_owned()))?;
+        let results = document["results"].as_array().or(document["cases"].as_array());
+        let results = results.ok_or_else(|| wrong("it has no `results`".to_owned()))?;
         Ok(Self::of_records(path, results))
     }
 

@@ -26,6 +26,7 @@ pub use dilation::{area_derivative, structure_model_index};
 pub use lindblad::Lindblad;
 pub use odgaard_gundersen::OdgaardGundersen;
 pub use sample::SampleValues;
+#[cfg(feature = "io")]
 pub(crate) use sample::cut_areas;
 pub use triangulation::Triangulation;
 pub use voxel_counting::VoxelCounting;

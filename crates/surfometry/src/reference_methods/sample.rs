@@ -39,6 +39,7 @@ impl SampleValues {
 }
 
 /// Area of the voxels' faces in which the image cuts an object, by axis, at its first and last slice, mm^2.
+#[cfg(feature = "io")]
 pub(crate) fn cut_areas(mask: &Mask) -> [[f64; 2]; 3] {
     let spacing = mask.grid().spacing();
     let mut areas = [[0.0; 2]; 3];
