@@ -255,7 +255,9 @@ fn tables_that_cannot_be_compared() {
     let bare = file("bare.csv", "input,label,mass\na/1.nii,1,2\n");
     let page = folder.path().join("page.html");
     let page = page.to_str().unwrap();
-    let cases: [(&[&str], &str); 10] = [
+    let image = file("image.nii", "\0\0");
+    let cases: [(&[&str], &str); 11] = [
+        (&[&image, &standard], "image.nii: not read as CSV: it is no text"),
         (&[&unnamed, &standard], "unnamed.csv: there is no column `input`"),
         (&[&twice, &twice], "twice.csv: a is there more than once"),
         (&[&words, &standard, "--column", "volume_mm3"], "words.csv: a/1.nii label 1 has `big` in column"),

@@ -40,6 +40,12 @@ impl Sheet {
     fn read(path: &Path) -> Result<Self, TableError> {
         let wrong = |source: csv::Error| TableError::Read { path: path.to_owned(), source };
         let bytes = std::fs::read(path).map_err(|e| wrong(e.into()))?;
+        if bytes.contains(&0) {
+            let error = std::io::Error::other(
+                "it is no text (a spreadsheet's or an image's file); save the table as CSV in UTF-8",
+            );
+            return Err(wrong(error.into()));
+        }
         // Units in headers are often in an encoding of their own; numbers are not.
         let text = String::from_utf8_lossy(&bytes);
         match ending(path).as_deref() {
