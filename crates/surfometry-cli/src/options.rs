@@ -5,12 +5,13 @@ use anyhow::Result;
 use clap::{Args, ValueEnum};
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
+use std::str::FromStr;
 use surfometry::Measurement;
 use surfometry::inputs::OpenOptions;
 use surfometry::integrals::{QuadratureRule, Smearing};
 use surfometry::measurement::{Clip, CurvatureScale, Derivatives, EmbeddingKind};
-use surfometry::runs::{Plan, SweptParameter};
-use surfometry::volume::{LabelSelection, Spacing};
+use surfometry::runs::{LabelScales, Plan, SweptParameter};
+use surfometry::volume::{LabelGroup, LabelSelection, Spacing};
 
 /// A length in mm, or `auto`.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -25,6 +26,51 @@ impl Length {
             Self::Auto => None,
             Self::Mm(mm) => Some(mm),
         }
+    }
+}
+
+/// A length for all objects, lengths of labels of their own, or both: `2,20=1.5,21=auto`.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct LengthByLabel {
+    of_all: Option<Length>,
+    of_labels: Vec<(LabelGroup, Length)>,
+}
+
+impl LengthByLabel {
+    fn own(&self) -> Vec<(LabelGroup, Option<f64>)> {
+        self.of_labels.iter().map(|(label, length)| (label.clone(), length.mm())).collect()
+    }
+}
+
+impl FromStr for LengthByLabel {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let mut lengths = Self { of_all: None, of_labels: Vec::new() };
+        for part in text.split(',') {
+            match part.split_once('=') {
+                None if lengths.of_all.is_some() => {
+                    return Err("one length is for all labels; write the others as LABEL=MM".to_owned());
+                }
+                None => lengths.of_all = Some(length(part)?),
+                Some((label, mm)) => {
+                    let label = one_label(label)?;
+                    if lengths.of_labels.iter().any(|(known, _)| *known == label) {
+                        return Err(format!("label {label} has two lengths"));
+                    }
+                    lengths.of_labels.push((label, length(mm)?));
+                }
+            }
+        }
+        Ok(lengths)
+    }
+}
+
+/// `N`, or `N+M` of united labels.
+fn one_label(text: &str) -> Result<LabelGroup, String> {
+    match text.parse::<LabelSelection>().map_err(|error| error.to_string())? {
+        LabelSelection::Groups(groups) if groups.len() == 1 => Ok(groups[0].clone()),
+        _ => Err(format!("`{text}`: name one label, or united ones as 1+2")),
     }
 }
 
@@ -106,12 +152,12 @@ impl InputSelection {
 pub(crate) struct MeasureOptions {
     #[command(flatten)]
     selection: InputSelection,
-    /// Blur in mm [default: auto = 2 x the geometric mean of the spacings]
-    #[arg(long, value_name = "MM|auto", value_parser = length, allow_hyphen_values = true)]
-    sigma: Option<Length>,
-    /// Thickness of the band in mm [default: auto = 2.5 x the largest spacing]
-    #[arg(long, value_name = "MM|auto", value_parser = length, allow_hyphen_values = true)]
-    thickness: Option<Length>,
+    /// Blur in mm [default: auto = 2 x the geometric mean of the spacings]; LABEL=MM is that of a label, as 2,20=1.5,21=auto
+    #[arg(long, value_name = "MM|auto|LABEL=MM,..", allow_hyphen_values = true)]
+    sigma: Option<LengthByLabel>,
+    /// Thickness of the band in mm [default: auto = 2.5 x the largest spacing]; by label as --sigma
+    #[arg(long, value_name = "MM|auto|LABEL=MM,..", allow_hyphen_values = true)]
+    thickness: Option<LengthByLabel>,
     /// Half-width of the delta in units of the field, instead of a thickness
     #[arg(long, conflicts_with = "thickness", value_parser = positive, allow_hyphen_values = true)]
     epsilon: Option<f64>,
@@ -145,18 +191,25 @@ impl MeasureOptions {
     /// The plan that the options describe, checked.
     pub(crate) fn plan(&self, curvature: CurvatureScale) -> Result<Plan> {
         let recover = self.embedding.is_none();
-        let plan = Plan { measurement: self.measurement(), curvature, recover, ..self.selection.plan() };
+        let own =
+            |lengths: &Option<LengthByLabel>| lengths.as_ref().map_or_else(Vec::new, LengthByLabel::own);
+        let scales = LabelScales { sigma_mm: own(&self.sigma), thickness_mm: own(&self.thickness) };
+        let measurement = self.measurement();
+        let plan = Plan { measurement, scales, curvature, recover, ..self.selection.plan() };
         plan.check()?;
+        if let LabelSelection::Groups(objects) = &plan.labels {
+            plan.scales.check(objects)?;
+        }
         Ok(plan)
     }
 
     fn measurement(&self) -> Measurement {
         let mut m = if self.paper { Measurement::paper() } else { Measurement::default() };
         m = m.embedding(self.embedding.unwrap_or_default()).clip(self.clip);
-        if let Some(sigma) = self.sigma {
+        if let Some(sigma) = self.sigma.as_ref().and_then(|lengths| lengths.of_all) {
             m = m.sigma_mm(sigma.mm());
         }
-        if let Some(thickness) = self.thickness {
+        if let Some(thickness) = self.thickness.as_ref().and_then(|lengths| lengths.of_all) {
             m = m.thickness_mm(thickness.mm());
         }
         if let Some(epsilon) = self.epsilon {
@@ -188,7 +241,9 @@ impl MeasureOptions {
 
     /// Whether sigma follows each image's spacing.
     pub(crate) fn sigma_is_automatic(&self) -> bool {
-        let explicit = matches!(self.sigma, Some(Length::Mm(_)));
+        let is_explicit =
+            |s: &LengthByLabel| matches!(s.of_all, Some(Length::Mm(_))) || !s.of_labels.is_empty();
+        let explicit = self.sigma.as_ref().is_some_and(is_explicit);
         self.embedding.unwrap_or_default().is_blur() && !explicit && !(self.paper && self.sigma.is_none())
     }
 }

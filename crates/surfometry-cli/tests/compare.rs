@@ -67,6 +67,150 @@ fn two_tables_of_the_same_objects() {
     assert!(std::fs::read_to_string(&chart).unwrap().contains("difference: method minus standard"));
 }
 
+fn bias_of(args: &[&str], folder: &Path) -> Result<f64, String> {
+    let all = folder.join("bias.json");
+    let output = run(&[&["compare"], args, &["-o", all.to_str().unwrap()]].concat());
+    if !output.status.success() {
+        return Err(text(&output.stderr).to_owned());
+    }
+    let document: Value = serde_json::from_slice(&std::fs::read(&all).unwrap()).unwrap();
+    Ok(document["measures"][0]["agreement"]["bland_altman"]["bias"]["value"].as_f64().unwrap())
+}
+
+/// The same standard as other programs write it: whichever form it has, the bias is the 1.2 that it was made with.
+#[test]
+fn tables_of_other_programs() {
+    let folder = tempfile::tempdir().unwrap();
+    let [method, _] = tables(folder.path());
+    let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let write = |name: &str, lines: &[String]| {
+        std::fs::create_dir_all(folder.path().join(name).parent().unwrap()).unwrap();
+        std::fs::write(folder.path().join(name), lines.join("\r\n")).unwrap();
+        path(name)
+    };
+    let lines = |head: &str, line: &dyn Fn(i32) -> String| -> Vec<String> {
+        [head.to_owned()].into_iter().chain((1..=6).map(line)).collect()
+    };
+    let forms = [
+        write("comma.csv", &lines("input;label;volume_mm3", &|n| format!("b/{n}.nii;1,0;{n}0,0"))),
+        write("missing.csv", &{
+            let mut lines = lines("input,LABEL,volume_mm3,error", &|n| format!("c/{n}.nii.gz,1.0,{n}0.0,NA"));
+            lines.push("c/9.nii.gz,1.0,NA,None".to_owned());
+            lines
+        }),
+        write("tabs.tsv", &lines("volume_mm3\tinput", &|n| format!("{n}0\t{n}"))),
+        write(
+            "lines.jsonl",
+            &lines("", &|n| format!("{{\"input\": \"{n}\", \"label\": 1, \"volume_mm3\": {n}0}}")),
+        ),
+    ];
+    for n in 1..=6 {
+        write(&format!("each/{n}.csv"), &["volume_mm3;name".to_owned(), format!("{n}0,0;x")]);
+    }
+    for form in forms.iter().chain([&path("each")]) {
+        let bias = bias_of(&[&method, form], folder.path()).unwrap();
+        assert!((bias - 1.2).abs() < 1e-9, "{form}: {bias}");
+    }
+    let named = write("named.csv", &lines("Image,volume_mm3", &|n| format!("{n},{n}0")));
+    assert!(
+        bias_of(&[&method, &named], folder.path())
+            .unwrap_err()
+            .contains("name the one that does with --object")
+    );
+    let bias = bias_of(&[&method, &named, "--object", "input:Image"], folder.path()).unwrap();
+    assert!((bias - 1.2).abs() < 1e-9, "{bias}");
+    // Without labels it cannot be told which of two objects of a file is meant; and what is no table says so.
+    let two =
+        write("two.csv", &["input,label,volume_mm3".to_owned(), "1,1,5".to_owned(), "1,2,5".to_owned()]);
+    let wrong = bias_of(&[&two, &forms[2]], folder.path()).unwrap_err();
+    assert!(wrong.contains("two.csv: 1 is there more than once"), "{wrong}");
+    std::fs::create_dir(folder.path().join("empty")).unwrap();
+    let document = write("document.json", &["{}".to_owned()]);
+    for (table, wanted) in [(path("empty"), "a folder without tables"), (document, "it has no `results`")] {
+        let wrong = bias_of(&[&method, &table], folder.path()).unwrap_err();
+        assert!(wrong.contains(wanted), "{wrong}");
+    }
+}
+
+/// Methods as rows, as `reference` has them, and values of a sweep: each is compared, or the one that is named.
+/// Method a is 1 above the standard, b is 2 above it and says nothing of one object.
+#[test]
+fn methods_as_rows() {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, lines: &[String]| {
+        let path = folder.path().join(name);
+        std::fs::write(&path, lines.join("\n")).unwrap();
+        path.to_str().unwrap().to_owned()
+    };
+    let rows = |head: &str, row: &dyn Fn(i32) -> String| -> Vec<String> {
+        [head.to_owned()].into_iter().chain((1..=4).map(row)).collect()
+    };
+    let standard =
+        write("standard.csv", &rows("input,label,surface_area_mm2", &|n| format!("{n}.nii,1,{n}0")));
+    let methods = rows("input,label,method,surface_area_mm2,flags", &|n| {
+        let b = if n == 4 { String::new() } else { format!("{n}2") };
+        let flags = if n == 1 { "touches-border;thin-for-sigma" } else { "" };
+        format!("{n}.nii,1,a,{n}1,\n{n}.nii,1,b,{b},{flags}")
+    });
+    let methods = write("methods.csv", &methods);
+    let all = folder.path().join("all.json");
+    let output = run(&["compare", &methods, &standard, "-o", all.to_str().unwrap()]);
+    assert!(
+        text(&output.stdout).contains("methods: 1 of 4 carry flags (thin-for-sigma 1, touches-border 1)")
+    );
+    let document: Value = serde_json::from_slice(&std::fs::read(&all).unwrap()).unwrap();
+    assert_eq!(document["method_rows"]["flagged"], 1);
+    assert!(document["standard_rows"]["flagged"].is_null());
+    let found = document["measures"].as_array().unwrap();
+    let told: Vec<(&str, f64, u64)> = found
+        .iter()
+        .map(|measure| {
+            let bias = &measure["agreement"]["bland_altman"]["bias"]["value"];
+            let column = measure["column"].as_str().unwrap();
+            (column, bias.as_f64().unwrap(), measure["left_out"].as_u64().unwrap())
+        })
+        .collect();
+    assert_eq!(told, [("surface_area_mm2@a", 1.0, 0), ("surface_area_mm2@b", 2.0, 1)]);
+    let of_one_table = "surface_area_mm2@b:surface_area_mm2@a";
+    assert_eq!(bias_of(&[&methods, &methods, "--column", of_one_table], folder.path()), Ok(1.0));
+    // A sweep's rows: sigma 2 and 2.0 are one value.
+    let sweep = rows("input,label,parameters_sigma_mm,surface_area_mm2,truth_surface_area_mm2", &|n| {
+        format!("{n}.nii,1,2.0,{n}3,{n}0\n{n}.nii,1,2.5,{n}4,{n}0")
+    });
+    let sweep = write("sweep.csv", &sweep);
+    for (column, bias) in [("surface_area_mm2@2", 3.0), ("surface_area_mm2@2.5", 4.0)] {
+        let against_truth = format!("{column}:truth_surface_area_mm2");
+        assert_eq!(bias_of(&[&sweep, &sweep, "--column", &against_truth], folder.path()), Ok(bias));
+    }
+    let unlike = bias_of(&[&sweep, &methods], folder.path()).unwrap_err();
+    assert!(unlike.contains("name one of each"), "{unlike}");
+}
+
+/// What `validate` writes: the phantoms' truth, and the errors of all cases, of the original object by default.
+#[test]
+fn tables_of_validate() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let zoo =
+        ["validate", "--shape", "ball", "--resolutions", "8", "--ratios", "1", "--poses", "2", "--no-local"];
+    let (place, cases, ours) = (file("zoo"), file("cases.json"), file("ours.csv"));
+    assert!(run(&[&zoo[..], &["--write", &place]].concat()).status.success());
+    assert!(run(&[&zoo[..], &["--format", "json", "-o", &cases]].concat()).status.success());
+    assert!(run(&["measure", &format!("{place}/*.nii.gz"), "-o", &ours]).status.success());
+    let truth = format!("{place}/truth.csv");
+    assert!(text(&run(&["compare", &ours, &truth]).stdout).contains("ours against truth: 4 objects"));
+    let mm3 = bias_of(&[&ours, &truth, "--column", "volume_mm3"], folder.path()).unwrap();
+    assert!(mm3.abs() < 30.0, "{mm3}");
+    let errors = run(&["compare", &cases, &cases, "--names", "a,b"]);
+    for column in ["original_volume", "original_surface_area", "original_total_mean_curvature"] {
+        assert!(text(&errors.stdout).contains(&format!("\n{column}\n")), "{}", text(&errors.stdout));
+    }
+    // The blur of two voxels takes 10 to 20 % of the area of balls of 8 voxels, and compensation gives it back.
+    let blur = "blurred_surface_area:original_surface_area";
+    let percent = bias_of(&[&cases, &cases, "--column", blur], folder.path()).unwrap();
+    assert!((-25.0..-8.0).contains(&percent), "{percent}");
+}
+
 /// What was measured against what is exact: two columns of one table.
 #[test]
 fn two_columns_of_one_table() {
@@ -111,7 +255,9 @@ fn tables_that_cannot_be_compared() {
     let bare = file("bare.csv", "input,label,mass\na/1.nii,1,2\n");
     let page = folder.path().join("page.html");
     let page = page.to_str().unwrap();
-    let cases: [(&[&str], &str); 10] = [
+    let image = file("image.nii", "\0\0");
+    let cases: [(&[&str], &str); 11] = [
+        (&[&image, &standard], "image.nii: not read as CSV: it is no text"),
         (&[&unnamed, &standard], "unnamed.csv: there is no column `input`"),
         (&[&twice, &twice], "twice.csv: a is there more than once"),
         (&[&words, &standard, "--column", "volume_mm3"], "words.csv: a/1.nii label 1 has `big` in column"),
@@ -185,4 +331,49 @@ fn a_cohort_and_its_truth() {
         assert!(off.abs() < percent, "{name} {off}");
     }
     assert_eq!((row[6], record["topology"]["euler_characteristic_mesh"].as_i64()), ("2", Some(2)));
+}
+
+/// A ball that the image cuts in half: the flag stands under the table and in every row, the cut face is told apart, and
+/// of the ball's chi of 2 the half has its share, 1.
+#[test]
+fn samples_are_flagged() {
+    use surfometry::volume::{Grid, LabelImage};
+    let folder = tempfile::tempdir().unwrap();
+    let file = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let inside = |x: usize, y: usize, z: usize| {
+        let from = [x as f64 - 15.3, y as f64 - 14.8, z as f64 + 0.5];
+        from.iter().map(|d| d * d).sum::<f64>() < 144.0
+    };
+    let at = (0..15usize * 31 * 31).map(|n| (n % 31, n / 31 % 31, n / 961));
+    let voxels: Vec<u8> = at.map(|(x, y, z)| u8::from(inside(x, y, z))).collect();
+    let grid = Grid::axis_aligned([31, 31, 15], [1.0; 3]).unwrap();
+    let (image, table) = (file("half.nii.gz"), file("half.csv"));
+    surfometry::io::write_labels(&image, &LabelImage::from_voxels(grid, &voxels).unwrap()).unwrap();
+    let shown = run(&["reference", &image]);
+    assert_eq!(
+        text(&shown.stdout).matches("! touches-border: the edge of the image cuts the object").count(),
+        1
+    );
+    assert!(run(&["reference", &image, "-o", &table]).status.success());
+    let mut rows = csv_rows(&table);
+    assert!(rows.iter().all(|row| row["flags"] == "touches-border"));
+    let mut row = |method: &str| rows.remove(rows.iter().position(|row| row["method"] == method).unwrap());
+    let (euler, lindblad) = (row("odgaard-gundersen-26"), row("lindblad"));
+    let number =
+        |row: &std::collections::HashMap<String, String>, name: &str| row[name].parse::<f64>().unwrap();
+    assert_eq!(number(&euler, "euler_characteristic"), 2.0);
+    assert_eq!(number(&euler, "euler_characteristic_edge_corrected"), 1.0);
+    let total = 31.0 * 31.0 * 15.0;
+    assert!((number(&euler, "connectivity_density_edge_corrected_per_mm3") - 0.5 / total).abs() < 1e-12);
+    let half_sphere = 2.0 * std::f64::consts::PI * 144.0;
+    let open = number(&lindblad, "specific_surface_without_cuts_per_mm") * number(&lindblad, "volume_mm3");
+    assert!((open / half_sphere - 1.0).abs() < 0.01, "{open} {half_sphere}");
+    assert!(number(&lindblad, "surface_area_mm2") > 1.35 * half_sphere);
+}
+
+fn csv_rows(path: &str) -> Vec<std::collections::HashMap<String, String>> {
+    let text = std::fs::read_to_string(path).unwrap();
+    let mut lines = text.lines().map(|line| line.split(',').map(str::to_owned));
+    let names: Vec<String> = lines.next().unwrap().collect();
+    lines.map(|cells| names.iter().cloned().zip(cells).collect()).collect()
 }

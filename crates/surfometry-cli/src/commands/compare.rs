@@ -3,25 +3,28 @@
 use super::ALL_DONE;
 use crate::output::{check_output, comparison_text, deliver, json_text, say};
 use crate::values::two_names;
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result, anyhow, bail};
 use std::path::{Path, PathBuf};
-use surfometry::comparison::{ColumnPair, Comparison, Table, compare};
+use surfometry::comparison::{ColumnPair, Comparison, Table, TableError, compare};
 use surfometry::report::{ComparisonPage, HashedInput, Provenance, comparison_chart, render_comparison};
 use surfometry::runs::{MapStyle, write_figure};
 use surfometry::statistics::Bootstrap;
 
 /// Compare two tables of the same objects: regression, Bland-Altman, concordance, Euler characteristics
 ///
-/// Tables are CSV files as `measure --format csv` writes them, or any others with a column `input`; objects
-/// are matched by the columns input and label, and by file names without folders where folders differ. Bias
-/// is METHOD minus STANDARD. Give the same file twice to compare two of its columns, as
-/// volume_mm3:truth_volume_mm3.
+/// Tables are what `measure`, `reference`, `sweep`, `validate` and `cohort` write, as CSV, JSON or JSONL,
+/// or CSV of other programs, with commas, semicolons or tabs; a folder stands for all tables in it. Objects
+/// are matched by the columns input and label, as far as both tables have them, and by file names without
+/// folders and endings where these differ. Where an object has a row for each of several methods, the
+/// columns are called NAME@METHOD. What is compared by default is the original object's. Bias is METHOD
+/// minus STANDARD. Give the same file twice to compare two of its columns, as
+/// volume_mm3:truth_volume_mm3 or surface_area_mm2@crofton-13:surface_area_mm2@lindblad.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
-    /// Table of the method
+    /// Table of the method, or a folder of tables
     #[arg(value_name = "METHOD.csv")]
     method: String,
-    /// Table of the standard
+    /// Table of the standard, or a folder of tables
     #[arg(value_name = "STANDARD.csv")]
     standard: String,
     /// What to compare: a column of both tables, or one of each; may be given several times [default:
@@ -29,6 +32,9 @@ pub(crate) struct Args {
     /// euler_characteristic]
     #[arg(long = "column", value_name = "NAME|METHOD:STANDARD")]
     columns: Vec<ColumnPair>,
+    /// Column that names the objects' inputs: of both tables, or one of each
+    #[arg(long, value_name = "NAME|METHOD:STANDARD", default_value = "input")]
+    object: ColumnPair,
     /// What to call the two [default: the files' names]
     #[arg(long, value_name = "METHOD,STANDARD", value_parser = two_names)]
     names: Option<[String; 2]>,
@@ -42,7 +48,10 @@ pub(crate) struct Args {
 }
 
 pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
-    let inputs = [args.method.clone(), args.standard.clone()];
+    let [method, standard] =
+        [read(&args.method, &args.object.method)?, read(&args.standard, &args.object.standard)?];
+    let files = method.files.iter().chain(&standard.files);
+    let inputs: Vec<String> = files.map(|file| file.to_string_lossy().into_owned()).collect();
     for (number, output) in args.outputs.iter().enumerate() {
         check_output(Some(output), &inputs)?;
         kind_of(output)?;
@@ -50,7 +59,6 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
             bail!("{}: named twice", output.display());
         }
     }
-    let [method, standard] = [Table::read(Path::new(&inputs[0]))?, Table::read(Path::new(&inputs[1]))?];
     let how = Bootstrap { samples: args.bootstrap as usize, ..Bootstrap::default() };
     let comparison = compare([&method, &standard], names(args), &args.columns, how)?;
     if !quiet {
@@ -60,10 +68,17 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
         }
     }
     for output in &args.outputs {
-        write(output, &comparison, &inputs)?;
+        write(output, &comparison, [&method, &standard])?;
     }
     deliver(&comparison_text(&comparison), None)?;
     Ok(ALL_DONE)
+}
+
+fn read(path: &str, objects: &str) -> Result<Table> {
+    Table::read_named(Path::new(path), objects).map_err(|error| match error {
+        TableError::Unnamed { .. } => anyhow!("{error}; name the one that does with --object"),
+        error => error.into(),
+    })
 }
 
 /// As told; else the files' names without folders and endings, with folders where these are the same.
@@ -101,7 +116,7 @@ fn kind_of(path: &Path) -> Result<Kind> {
     })
 }
 
-fn write(path: &Path, comparison: &Comparison, inputs: &[String; 2]) -> Result<()> {
+fn write(path: &Path, comparison: &Comparison, tables: [&Table; 2]) -> Result<()> {
     match kind_of(path)? {
         Kind::Picture => {
             let chart =
@@ -111,8 +126,8 @@ fn write(path: &Path, comparison: &Comparison, inputs: &[String; 2]) -> Result<(
         Kind::Json => deliver(&json_text(comparison)?, Some(path)),
         Kind::Page => {
             let command: Vec<String> = std::env::args().collect();
-            let source = |input: &String| HashedInput::of(input, &[PathBuf::from(input)]);
-            let sources = inputs.iter().map(source).collect::<Result<_, _>>()?;
+            let source = |table: &Table| HashedInput::of(&table.path.to_string_lossy(), &table.files);
+            let sources = tables.into_iter().map(source).collect::<Result<_, _>>()?;
             let page = ComparisonPage::new(comparison.clone(), Provenance::new(command.join(" "), sources));
             deliver(&render_comparison(&page)?, Some(path))
         }

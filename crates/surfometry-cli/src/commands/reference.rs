@@ -4,8 +4,9 @@ use crate::console::{Voice, control};
 use crate::cures::cure;
 use crate::inputs::expand;
 use crate::options::{InputSelection, OutputOptions};
-use crate::output::{Layout, TableStyle, check_output, digits, write_results};
+use crate::output::{Layout, TableStyle, check_output, digits, raised_text, write_results};
 use anyhow::Result;
+use surfometry::accuracy::Flag;
 use surfometry::reference_methods::{METHODS, ReferenceMethod};
 use surfometry::runs::{Batch, ReferenceRecord, ReferenceTask};
 
@@ -65,5 +66,20 @@ fn table(records: &[ReferenceRecord]) -> String {
         row.extend(values.map(number));
         layout.row(row);
     }
-    format!("{}\n{}", records[0].input, layout.text())
+    format!("{}\n{}{}", records[0].input, layout.text(), flags(records))
+}
+
+/// Each flag of an object once, whichever methods have it.
+fn flags(records: &[ReferenceRecord]) -> String {
+    let objects: Vec<&[ReferenceRecord]> = records.chunk_by(|a, b| a.label == b.label).collect();
+    let mut raised: Vec<(String, Flag)> = Vec::new();
+    for object in &objects {
+        for flag in object.iter().flat_map(|record| &record.flags) {
+            let named = (object[0].label.to_string(), flag.clone());
+            if !raised.contains(&named) {
+                raised.push(named);
+            }
+        }
+    }
+    raised_text(&raised, objects.len())
 }

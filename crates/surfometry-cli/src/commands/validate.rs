@@ -7,11 +7,11 @@ use crate::output::{check_output, deliver, json_text, rivalry_table, validation_
 use crate::values::{one_of, positive};
 use anyhow::{Result, bail};
 use clap::ValueEnum;
-use serde_json::json;
+use serde_json::{Value, json};
 use std::path::PathBuf;
 use surfometry::measurement::CurvatureScale;
 use surfometry::runs::write_zoo;
-use surfometry::validation::{Noise, Validation, Zoo, against, summarise};
+use surfometry::validation::{CaseResult, MadeCase, Noise, Validation, Zoo, against, summarise};
 
 /// Measure a zoo of shapes with exact truth, in many poses, and print how far off the numbers are
 ///
@@ -139,9 +139,19 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
             "schema": "surfometry.validate/1",
             "version": env!("CARGO_PKG_VERSION"),
             "summaries": summaries,
-            "cases": results,
+            "cases": named(&made, &results)?,
         }))?,
     };
     deliver(&text, args.output.as_deref())?;
     Ok(ALL_DONE)
+}
+
+/// The cases with their names, those of the files of --write without an ending, by which `compare` matches them.
+fn named(made: &[MadeCase], results: &[CaseResult]) -> Result<Vec<Value>> {
+    let named = |(made, result): (&MadeCase, &CaseResult)| {
+        let mut case = serde_json::to_value(result)?;
+        case["input"] = made.case.name().into();
+        Ok(case)
+    };
+    made.iter().zip(results).map(named).collect()
 }

@@ -1,12 +1,15 @@
 //! A comparison as text.
 
 use super::{Layout, digits};
-use surfometry::comparison::{Comparison, EulerAgreement};
+use std::collections::BTreeMap;
+use surfometry::comparison::{Comparison, EulerAgreement, RowsTold};
 use surfometry::statistics::{Agreement, ConfusionMatrix, Estimate, RareClasses};
 
 pub(crate) fn comparison_text(comparison: &Comparison) -> String {
     let Comparison { method, standard, matched, .. } = comparison;
     let mut parts = vec![format!("{method} against {standard}: {matched} objects\n")];
+    let tables = [(method, &comparison.method_rows), (standard, &comparison.standard_rows)];
+    parts.extend(tables.map(|(name, rows)| told_text(name, rows, *matched)));
     for measure in &comparison.measures {
         parts.push(format!("\n{}", column(&measure.column, &measure.standard_column)));
         if measure.left_out > 0 {
@@ -23,6 +26,24 @@ pub(crate) fn comparison_text(comparison: &Comparison) -> String {
         "\nbias: method minus standard; in brackets: 95 % intervals; proportional bias: slope of the differences on the means of both.\n".to_owned(),
     );
     parts.concat()
+}
+
+/// What a table says of the rows of the objects that are compared; nothing where it says nothing.
+fn told_text(name: &str, rows: &RowsTold, objects: usize) -> String {
+    let list = |counts: &BTreeMap<String, usize>| {
+        counts.iter().map(|(name, count)| format!("{name} {count}")).collect::<Vec<_>>().join(", ")
+    };
+    let surfaces = match rows.surfaces.len() {
+        0 => None,
+        1 => rows.surfaces.keys().next().map(|surface| format!("the {surface} surface")),
+        _ => Some(format!("surfaces: {}", list(&rows.surfaces))),
+    };
+    let flags = rows.flagged.map(|flagged| {
+        let which = if flagged == 0 { String::new() } else { format!(" ({})", list(&rows.flags)) };
+        format!("{flagged} of {objects} carry flags{which}")
+    });
+    let told: Vec<String> = surfaces.into_iter().chain(flags).collect();
+    if told.is_empty() { String::new() } else { format!("  {name}: {}\n", told.join("; ")) }
 }
 
 fn column(method: &str, standard: &str) -> String {

@@ -16,8 +16,8 @@ pub(crate) use map_sink::MapSink;
 pub(crate) use page_sink::PageSink;
 pub(crate) use results::{status, write_results};
 pub(crate) use sweep_table::sweep_tables;
-pub(crate) use table::{Layout, digits, flags_text, record_tables};
-pub(crate) use table_sink::{Legend, TableStyle};
+pub(crate) use table::{Layout, digits, flags_text, raised_text, record_tables};
+pub(crate) use table_sink::{Legend, TableSink, TableStyle};
 pub(crate) use validation_table::{rivalry_table, validation_table};
 
 use anyhow::{Context, Result, bail};

@@ -6,7 +6,7 @@ use std::fmt::Write;
 use surfometry::accuracy::{CompensationTerms, Flag, FlagCode};
 use surfometry::integrals::Globals;
 use surfometry::measurement::{
-    ChangeStage, DescribedSurface, EmbeddingKind, Measured, SurfaceValues, UNEXPLAINED,
+    ChangeStage, DescribedSurface, EmbeddingKind, Measured, Parameters, SurfaceValues, UNEXPLAINED,
 };
 use surfometry::runs::Record;
 
@@ -78,7 +78,7 @@ fn input_text(records: &[Record], explain: bool) -> String {
         layout.rows(rows(record, explain));
     }
     let changes = if explain { changes_text(records) } else { String::new() };
-    heading(&records[0]) + &layout.text() + &changes + &flags_text(&records.iter().collect::<Vec<_>>())
+    heading(records) + &layout.text() + &changes + &flags_text(&records.iter().collect::<Vec<_>>())
 }
 
 /// Where the topology of the objects changes, place by place.
@@ -103,17 +103,25 @@ fn changes_text(records: &[Record]) -> String {
     if any { layout.text() } else { String::new() }
 }
 
-fn heading(record: &Record) -> String {
-    let m = &record.measured;
+fn heading(records: &[Record]) -> String {
+    let (record, m) = (&records[0], &records[0].measured);
+    // Labels may have lengths of their own.
+    let all = |length: fn(&Parameters) -> Option<f64>| {
+        let mut lengths: Vec<String> =
+            records.iter().filter_map(|record| length(&record.measured.parameters)).map(digits).collect();
+        lengths.dedup();
+        lengths.join("/")
+    };
     let join = |values: [String; 3]| values.join(" x ");
-    let blur = m.parameters.sigma_mm.map_or_else(String::new, |s| format!("sigma {} mm, ", digits(s)));
+    let sigma = all(|parameters| parameters.sigma_mm);
+    let blur = if sigma.is_empty() { String::new() } else { format!("sigma {sigma} mm, ") };
     format!(
         "{}\n  {} voxels of {} mm; {blur}t {} mm, epsilon {}\n",
         record.input,
         join(m.grid.dimensions.map(|n| n.to_string())),
         join(m.grid.spacing_mm.map(digits)),
-        digits(m.parameters.thickness_mm),
-        digits(m.parameters.epsilon),
+        all(|parameters| Some(parameters.thickness_mm)),
+        all(|parameters| Some(parameters.epsilon)),
     )
 }
 
@@ -241,19 +249,25 @@ fn embedding_name(embedding: EmbeddingKind) -> &'static str {
 
 /// Each warning once, with the labels it is about. What the table does not show needs no `not-computed`.
 pub(crate) fn flags_text(records: &[&Record]) -> String {
-    let all = || records.iter().flat_map(|&r| r.measured.flags.iter().map(move |f| (r, f)));
+    let of_record = |record: &&'_ Record| {
+        record.measured.flags.iter().map(|flag| (name_in_table(record), flag.clone())).collect::<Vec<_>>()
+    };
+    raised_text(&records.iter().flat_map(of_record).collect::<Vec<_>>(), records.len())
+}
+
+/// Flags of some objects, each with the name of the one that it is of: a line a code.
+pub(crate) fn raised_text(all: &[(String, Flag)], objects: usize) -> String {
     let mut codes: Vec<FlagCode> = Vec::new();
-    for (_, flag) in all() {
+    for (_, flag) in all {
         if flag.code != FlagCode::NotComputed && !codes.contains(&flag.code) {
             codes.push(flag.code);
         }
     }
     let mut text = String::new();
     for code in codes {
-        let raised: Vec<_> = all().filter(|(_, f)| f.code == code).collect();
-        let about =
-            if records.len() == 1 { String::new() } else { format!(" (label {})", shown_labels(&raised)) };
-        let same = raised.iter().all(|(_, f)| f.message == raised[0].1.message);
+        let raised: Vec<&(String, Flag)> = all.iter().filter(|(_, flag)| flag.code == code).collect();
+        let about = if objects == 1 { String::new() } else { format!(" (label {})", shown_labels(&raised)) };
+        let same = raised.iter().all(|(_, flag)| flag.message == raised[0].1.message);
         let others = if same { "" } else { "for the first: " };
         let message = &raised[0].1.message;
         let how = if message.ends_with(UNEXPLAINED) { " (--explain)" } else { "" };
@@ -262,8 +276,8 @@ pub(crate) fn flags_text(records: &[&Record]) -> String {
     text
 }
 
-fn shown_labels(raised: &[(&Record, &Flag)]) -> String {
-    let labels = raised.iter().map(|(r, _)| name_in_table(r));
+fn shown_labels(raised: &[&(String, Flag)]) -> String {
+    let labels = raised.iter().map(|(name, _)| name.as_str());
     let shown = labels.take(SHOWN_LABELS).collect::<Vec<_>>().join(", ");
     match raised.len().saturating_sub(SHOWN_LABELS) {
         0 => shown,

@@ -1,5 +1,6 @@
 //! Warnings that travel with a result.
 
+use crate::volume::Spacing;
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
@@ -88,6 +89,22 @@ impl Flag {
     pub fn new(code: FlagCode, message: impl Into<String>) -> Self {
         Self { code, message: message.into() }
     }
+}
+
+/// Spacing ratio above which slices count as thick.
+const THICK_SLICE_RATIO: f64 = 1.8;
+
+/// The warning of slices that are much thicker than the pixels are wide.
+pub(crate) fn thick_slices(spacing: Spacing) -> Option<Flag> {
+    let (smallest, largest) = (spacing.smallest(), spacing.largest());
+    // A hair of room for spacings that went through f32.
+    let thick = THICK_SLICE_RATIO * smallest < largest * (1.0 - 1e-5);
+    thick.then(|| {
+        Flag::new(
+            FlagCode::ThickSlices,
+            format!("the largest spacing is {:.2} times the smallest: the mask is stair-stepped along one axis, which no smoothing at this scale removes", largest / smallest),
+        )
+    })
 }
 
 /// A place in the world, to a tenth of a voxel.

@@ -1,6 +1,7 @@
 //! Which rows of two tables are of the same object.
 
 use super::{ObjectKey, Row, Table, TableError};
+use crate::inputs::{Kind, split};
 use std::collections::BTreeMap;
 use std::path::Path;
 
@@ -16,24 +17,34 @@ pub struct Matching<'a> {
 }
 
 impl<'a> Matching<'a> {
-    /// Matches by input, label and component; where no input is in both tables, by the inputs' file names
-    /// without their folders.
+    /// Matches by input, label and component, as far as both tables have them; where no input is in both
+    /// tables, by the inputs' file names without their folders, and then without their endings.
     ///
     /// # Errors
     /// [`TableError::Twice`], [`TableError::NoMatch`].
     pub fn new(method: &'a Table, standard: &'a Table) -> Result<Self, TableError> {
-        let whole = |key: &ObjectKey| key.clone();
-        let found = Self::by(method, standard, whole)?;
-        let found = if found.pairs.is_empty() { Self::by(method, standard, without_folder)? } else { found };
-        if found.pairs.is_empty() {
-            let example = method.rows.first().map_or_else(String::new, |row| row.key.to_string());
-            return Err(TableError::NoMatch {
-                method: method.path.clone(),
-                standard: standard.path.clone(),
-                example,
-            });
+        let both = |part: fn(&ObjectKey) -> &str| {
+            [method, standard].iter().all(|table| table.rows.iter().any(|row| !part(&row.key).is_empty()))
+        };
+        let (labels, components) = (both(|key| &key.label), both(|key| &key.component));
+        let known = |key: &ObjectKey, input: &str| ObjectKey {
+            input: input.to_owned(),
+            label: if labels { key.label.clone() } else { String::new() },
+            component: if components { key.component.clone() } else { String::new() },
+        };
+        for input_of in [whole, without_folder, without_ending] {
+            let found = Self::by(method, standard, |key| known(key, input_of(&key.input)))?;
+            if !found.pairs.is_empty() {
+                return Ok(found);
+            }
         }
-        Ok(found)
+        let first = |table: &Table| table.rows.first().map_or_else(String::new, |row| row.key.to_string());
+        Err(TableError::NoMatch {
+            method: method.path.clone(),
+            standard: standard.path.clone(),
+            example: first(method),
+            other: first(standard),
+        })
     }
 
     fn by(
@@ -65,14 +76,27 @@ pub(crate) fn by_name(
 ) -> Result<BTreeMap<ObjectKey, &Row>, TableError> {
     let mut rows = BTreeMap::new();
     for row in &table.rows {
-        if rows.insert(name(&row.key), row).is_some() {
-            return Err(TableError::Twice { path: table.path.clone(), object: row.key.to_string() });
+        let name = name(&row.key);
+        let object = name.to_string();
+        if rows.insert(name, row).is_some() {
+            return Err(TableError::Twice { path: table.path.clone(), object });
         }
     }
     Ok(rows)
 }
 
-fn without_folder(key: &ObjectKey) -> ObjectKey {
-    let file = Path::new(&key.input).file_name().and_then(|name| name.to_str());
-    ObjectKey { input: file.unwrap_or(&key.input).to_owned(), ..key.clone() }
+fn whole(input: &str) -> &str {
+    input
+}
+
+fn without_folder(input: &str) -> &str {
+    Path::new(input).file_name().and_then(|name| name.to_str()).unwrap_or(input)
+}
+
+fn without_ending(input: &str) -> &str {
+    let name = without_folder(input);
+    let (stem, ending) = split(name);
+    // What a number ends in is no ending, nor is anything of a phantom.
+    let is_number = ending.chars().skip(1).all(|c| c.is_ascii_digit());
+    if is_number || !Kind::of(input).is_path() { name } else { stem }
 }

@@ -1,14 +1,25 @@
 //! Agreement, column by column.
 
-use super::{Matching, ObjectKey, Table, TableError};
+use super::table::FLAGS;
+use super::variants::AT;
+use super::{Matching, ObjectKey, Row, Table, TableError};
 use crate::statistics::{Agreement, Bootstrap, ConfusionMatrix, EulerRounding, Paired};
 use serde::Serialize;
+use std::collections::BTreeMap;
 
 /// Name and version of the document.
 pub const COMPARE_SCHEMA: &str = "surfometry.compare/1";
-/// Compared where both tables have them.
-const MEASURES: [&str; 5] =
-    ["volume_mm3", "surface_area_mm2", "total_mean_curvature_mm", "average_mean_curvature_per_mm", EULER];
+/// Compared where both tables have them; the last are errors, of `validate`.
+const MEASURES: [&str; 8] = [
+    "volume_mm3",
+    "surface_area_mm2",
+    "total_mean_curvature_mm",
+    "average_mean_curvature_per_mm",
+    EULER,
+    "original_volume",
+    "original_surface_area",
+    "original_total_mean_curvature",
+];
 /// Columns with this in their name hold Euler characteristics: classes, not sizes.
 const EULER: &str = "euler_characteristic";
 
@@ -77,6 +88,37 @@ pub struct EulerAgreement {
     pub values: Vec<PairedValue>,
 }
 
+/// What the rows of a table say of themselves, beside their numbers.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct RowsTold {
+    /// How many carry warnings; `None` where the table has no column `flags`.
+    pub flagged: Option<usize>,
+    /// How many carry each.
+    pub flags: BTreeMap<String, usize>,
+    /// How many describe which surface, `original`, `blurred` or `given`, where there is a column `surface`.
+    pub surfaces: BTreeMap<String, usize>,
+}
+
+impl RowsTold {
+    fn of(table: &Table, rows: &[&Row]) -> Self {
+        let has_flags = table.columns.iter().any(|column| column == FLAGS);
+        let surfaces = rows.iter().map(|row| row.cell("surface")).filter(|surface| !surface.is_empty());
+        Self {
+            flagged: has_flags.then(|| rows.iter().filter(|row| row.flags().next().is_some()).count()),
+            flags: counts(rows.iter().flat_map(|row| row.flags())),
+            surfaces: counts(surfaces),
+        }
+    }
+}
+
+fn counts<'a>(names: impl Iterator<Item = &'a str>) -> BTreeMap<String, usize> {
+    let mut counts = BTreeMap::new();
+    for name in names {
+        *counts.entry(name.to_owned()).or_insert(0) += 1;
+    }
+    counts
+}
+
 /// How far two tables agree.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Comparison {
@@ -94,6 +136,10 @@ pub struct Comparison {
     pub only_method: Vec<ObjectKey>,
     /// Objects of the standard alone.
     pub only_standard: Vec<ObjectKey>,
+    /// What the method's rows of the matched objects say of themselves.
+    pub method_rows: RowsTold,
+    /// What the standard's do.
+    pub standard_rows: RowsTold,
     /// Sizes.
     pub measures: Vec<MeasureAgreement>,
     /// Euler characteristics.
@@ -103,7 +149,8 @@ pub struct Comparison {
 /// Compares a method's table with the standard's.
 ///
 /// `names` are those of method and standard; without `columns`, V, A, M, M / A and chi are compared, as far
-/// as both tables have them.
+/// as both tables have them: of tables of `measure`, the original object's. A column that a table has of
+/// several methods, as `x@a` and `x@b`, is compared for each of them.
 ///
 /// # Errors
 /// [`TableError`].
@@ -114,8 +161,10 @@ pub fn compare(
     how: Bootstrap,
 ) -> Result<Comparison, TableError> {
     let matching = Matching::new(method, standard)?;
-    let columns = if columns.is_empty() { shared(method, standard)? } else { columns.to_vec() };
+    let columns =
+        if columns.is_empty() { shared(method, standard)? } else { named(method, standard, columns)? };
     let [name, standard_name] = names;
+    let (own, others): (Vec<&Row>, Vec<&Row>) = matching.pairs.iter().copied().unzip();
     let mut comparison = Comparison {
         schema: COMPARE_SCHEMA,
         version: env!("CARGO_PKG_VERSION"),
@@ -124,12 +173,12 @@ pub fn compare(
         matched: matching.pairs.len(),
         only_method: matching.only_method.clone(),
         only_standard: matching.only_standard.clone(),
+        method_rows: RowsTold::of(method, &own),
+        standard_rows: RowsTold::of(standard, &others),
         measures: Vec::new(),
         euler: Vec::new(),
     };
     for pair in columns {
-        require(method, &pair.method)?;
-        require(standard, &pair.standard)?;
         let values = values(&matching, [method, standard], &pair)?;
         let left_out = matching.pairs.len() - values.len();
         if pair.method.contains(EULER) {
@@ -142,25 +191,75 @@ pub fn compare(
 }
 
 fn shared(method: &Table, standard: &Table) -> Result<Vec<ColumnPair>, TableError> {
-    let (of_method, of_standard) = (method.numeric_columns(), standard.numeric_columns());
-    let both = |column: &&str| of_method.contains(column) && of_standard.contains(column);
-    let same = |column: &str| ColumnPair { method: column.to_owned(), standard: column.to_owned() };
-    let columns: Vec<ColumnPair> = MEASURES.into_iter().filter(both).map(same).collect();
+    let numeric = |table: &Table, name: &str| -> Vec<String> {
+        let numeric = table.numeric_columns();
+        table
+            .variants_of(name)
+            .into_iter()
+            .filter(|column| numeric.contains(column))
+            .map(str::to_owned)
+            .collect()
+    };
+    let mut columns = Vec::new();
+    for name in MEASURES {
+        let (of_method, of_standard) = (numeric(method, name), numeric(standard, name));
+        if !of_method.is_empty() && !of_standard.is_empty() {
+            columns.extend(pairs([method, standard], &of_method, &of_standard)?);
+        }
+    }
     if columns.is_empty() {
         return Err(TableError::NoMeasure { method: method.path.clone(), standard: standard.path.clone() });
     }
     Ok(columns)
 }
 
-fn require(table: &Table, column: &str) -> Result<(), TableError> {
-    if table.columns.iter().any(|name| name == column) {
-        return Ok(());
+fn named(method: &Table, standard: &Table, columns: &[ColumnPair]) -> Result<Vec<ColumnPair>, TableError> {
+    let found = columns.iter().map(|pair| {
+        let (of_method, of_standard) = (required(method, &pair.method)?, required(standard, &pair.standard)?);
+        pairs([method, standard], &of_method, &of_standard)
+    });
+    Ok(found.collect::<Result<Vec<_>, _>>()?.concat())
+}
+
+fn required(table: &Table, column: &str) -> Result<Vec<String>, TableError> {
+    let found: Vec<String> = table.variants_of(column).into_iter().map(str::to_owned).collect();
+    if found.is_empty() {
+        return Err(TableError::NoColumn {
+            path: table.path.clone(),
+            column: column.to_owned(),
+            known: table.numeric_columns().join(", "),
+        });
     }
-    Err(TableError::NoColumn {
-        path: table.path.clone(),
-        column: column.to_owned(),
-        known: table.numeric_columns().join(", "),
-    })
+    Ok(found)
+}
+
+/// Which of the columns that a name stands for in either table are compared: each of several methods with the
+/// one column of the other table, or, where both have several, with itself.
+fn pairs(
+    [method, standard]: [&Table; 2],
+    of_method: &[String],
+    of_standard: &[String],
+) -> Result<Vec<ColumnPair>, TableError> {
+    let pair = |a: &String, b: &String| ColumnPair { method: a.clone(), standard: b.clone() };
+    if let ([own], others) = (of_method, of_standard) {
+        return Ok(others.iter().map(|other| pair(own, other)).collect());
+    }
+    if let (owns, [other]) = (of_method, of_standard) {
+        return Ok(owns.iter().map(|own| pair(own, other)).collect());
+    }
+    let variant = |column: &String| column.split_once(AT).map(|(_, variant)| variant.to_owned());
+    let same = |own: &String| of_standard.iter().find(|other| variant(other) == variant(own));
+    let found: Vec<ColumnPair> =
+        of_method.iter().filter_map(|own| same(own).map(|other| pair(own, other))).collect();
+    if found.is_empty() {
+        return Err(TableError::OtherVariants {
+            method: method.path.clone(),
+            standard: standard.path.clone(),
+            of_method: of_method[0].clone(),
+            of_standard: of_standard[0].clone(),
+        });
+    }
+    Ok(found)
 }
 
 /// Objects that have a value in both tables.

@@ -16,13 +16,17 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod error;
 mod matching;
 mod measures;
+mod sheet;
 mod table;
+mod variants;
 
+pub use error::TableError;
 pub use matching::Matching;
 pub(crate) use matching::by_name;
 pub use measures::{
-    COMPARE_SCHEMA, ColumnPair, Comparison, EulerAgreement, MeasureAgreement, PairedValue, compare,
+    COMPARE_SCHEMA, ColumnPair, Comparison, EulerAgreement, MeasureAgreement, PairedValue, RowsTold, compare,
 };
-pub use table::{ObjectKey, Row, Table, TableError};
+pub use table::{ObjectKey, Row, Table};

@@ -11,6 +11,7 @@ mod phantom;
 mod slabs;
 
 pub use error::InputError;
+pub(crate) use names::split;
 pub use names::{distinct_parts, input_title, with_parts};
 
 use crate::accuracy::Flag;

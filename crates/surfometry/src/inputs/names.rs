@@ -58,7 +58,7 @@ pub fn distinct_parts(inputs: &[String]) -> Vec<Option<String>> {
 }
 
 /// Stem and ending, the dot included.
-fn split(name: &str) -> (&str, &str) {
+pub(crate) fn split(name: &str) -> (&str, &str) {
     let lower = name.to_lowercase();
     let double =
         DOUBLE.iter().find(|ending| lower.ends_with(**ending)).map(|ending| name.len() - ending.len());

@@ -101,7 +101,7 @@ impl Measurement {
         };
         let rim_mm = RIM * setup.parameters.sigma_mm.unwrap_or_default();
         let region = moved(voxels(rim_mm));
-        let continued = continued(mask, &moved(voxels(CONTINUED * widest).map(|n| -n)));
+        let continued = mask.continued(&moved(voxels(CONTINUED * widest).map(|n| -n)));
         let part = MeasuredPart {
             region,
             cuts,
@@ -111,26 +111,6 @@ impl Measurement {
         };
         Ok(Some(CutObject { continued, part }))
     }
-}
-
-/// An object and its mirror images in the faces of its image, in a box that reaches beyond those that cut it.
-fn continued(mask: &Mask, region: &IndexBox) -> Mask {
-    let dimensions = mask.grid().dimensions().map(|n| n as i64);
-    let mirrored = |index: i64, a: usize| {
-        let place = index.rem_euclid(2 * dimensions[a]);
-        place.min(2 * dimensions[a] - 1 - place)
-    };
-    let mut whole = Mask::cleared(*mask.grid(), *region);
-    for (y, z) in region.rows() {
-        let (from_y, from_z) = (mirrored(y, 1), mirrored(z, 2));
-        mask.runs(from_y, from_z).for_each(|run| whole.set_run(run, y, z));
-        for x in (region.lower[0]..0).chain(dimensions[0]..region.upper[0]) {
-            if mask.get([mirrored(x, 0), from_y, from_z]) {
-                whole.set_run((x, x + 1), y, z);
-            }
-        }
-    }
-    whole
 }
 
 /// The two slices of voxels at either side of a region's end.

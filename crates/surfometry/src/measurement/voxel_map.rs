@@ -3,6 +3,7 @@
 use super::Object;
 use super::scheme::{Scheme, with_scheme};
 use crate::choice::choices;
+use crate::embedding::EdgeProfile;
 use crate::local_geometry::{BandVoxel, Differentiation, TileField};
 use crate::tiling::{Block, IndexBox, TILE};
 use rayon::prelude::*;
@@ -44,7 +45,19 @@ choices!(VoxelQuantity, "voxel quantity": {
     Band = "band": "1 in the band, 0 outside",
 });
 
+/// How far the blur of a mask reaches, in units of its widest term: as far as any kernel.
+const REACH: f64 = 6.0;
+
 impl Object {
+    /// A box of the image outside which phi is not negative.
+    pub fn inside_region(&self) -> IndexBox {
+        let profile = self.setup.parameters.profile();
+        let sigmas = profile.iter().flat_map(EdgeProfile::terms).map(|(_, sigma)| *sigma);
+        let widest = sigmas.fold(0.0, f64::max);
+        let reach = self.grid().spacing().mm().map(|h| 1 + libm::ceil(REACH * widest / h) as i64);
+        self.mask.bounds().grown(reach).intersection(&self.grid().index_box())
+    }
+
     /// A quantity on a box of voxels, such as the whole image
     /// ([`Grid::index_box`](crate::volume::Grid::index_box)), which may reach beyond it unless the field is
     /// given; `None` where the blur is known to leave nothing, so that there was no need to make a field. In

@@ -1,6 +1,6 @@
 //! Which warnings follow from the numbers.
 
-use crate::accuracy::{Flag, FlagCode, place_text};
+use crate::accuracy::{Flag, FlagCode, place_text, thick_slices};
 use crate::integrals::Integrals;
 use crate::surface::SurfaceSummary;
 use crate::volume::Spacing;
@@ -53,8 +53,6 @@ pub(super) struct Evidence {
 
 /// Largest distance of chi from an even integer that passes.
 const EULER_TOLERANCE: f64 = 0.15;
-/// Spacing ratio above which slices count as thick.
-const THICK_SLICE_RATIO: f64 = 1.8;
 /// Thickness in units of the largest spacing below which the delta is undersampled.
 const SAMPLED_THICKNESS: f64 = 2.5;
 /// Thickness in units of sigma below which parts of an object suffer.
@@ -87,7 +85,7 @@ pub(super) fn raise_flags(e: &Evidence) -> Vec<Flag> {
 
 fn grid_flags(e: &Evidence) -> Vec<Flag> {
     let mut flags = Vec::new();
-    let (smallest, largest) = (e.spacing.smallest(), e.spacing.largest());
+    let largest = e.spacing.largest();
     // A hair of room for spacings that went through f32.
     let below = |a: f64, b: f64| a < b * (1.0 - 1e-5);
     if let Some(sigma) = e.sigma.filter(|&s| below(s, largest)) {
@@ -113,12 +111,7 @@ fn grid_flags(e: &Evidence) -> Vec<Flag> {
         );
         flags.push(Flag::new(FlagCode::ThicknessBelowSpacing, message));
     }
-    if below(THICK_SLICE_RATIO * smallest, largest) {
-        flags.push(Flag::new(
-            FlagCode::ThickSlices,
-            format!("the largest spacing is {:.2} times the smallest: the mask is stair-stepped along one axis, which no smoothing at this scale removes", largest / smallest),
-        ));
-    }
+    flags.extend(thick_slices(e.spacing));
     flags
 }
 

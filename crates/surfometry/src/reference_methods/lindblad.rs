@@ -1,10 +1,10 @@
 //! Weights of local configurations (Lindblad 2005).
 
 use super::directions::half_sphere;
-use super::{ReferenceMethod, ReferenceValues};
+use super::{Prepared, ReferenceMethod, ReferenceValues};
 use crate::local_geometry::solved;
 use crate::surface::dot;
-use crate::volume::Mask;
+use crate::volume::{Mask, Spacing};
 use rayon::prelude::*;
 
 /// A from the 2 x 2 x 2 neighbourhoods: each has a weight, such that planes in random directions are measured
@@ -25,23 +25,32 @@ impl ReferenceMethod for Lindblad {
     }
 
     fn measure(&self, mask: &Mask) -> ReferenceValues {
-        let spacing = mask.grid().spacing();
-        let weights = weights(spacing.mm());
-        let bounds = mask.bounds();
-        let rows: Vec<(i64, i64)> = bounds.grown([1; 3]).rows().collect();
-        let counts = rows.par_iter().map(|&(y, z)| row_counts(mask, y, z)).reduce(
-            || [0u64; 256],
-            |mut sum, row| {
-                sum.iter_mut().zip(row).for_each(|(sum, count)| *sum += count);
-                sum
-            },
-        );
-        ReferenceValues {
-            volume_mm3: Some(mask.voxels() as f64 * spacing.cell_volume()),
-            surface_area_mm2: Some(counts.iter().zip(weights).map(|(&count, w)| count as f64 * w).sum()),
-            ..ReferenceValues::default()
-        }
+        self.prepared(mask.grid().spacing())(mask)
     }
+
+    fn prepared(&self, spacing: Spacing) -> Prepared<'_> {
+        let weights = weights(spacing.mm());
+        Box::new(move |mask| {
+            let counts = counts(mask);
+            ReferenceValues {
+                volume_mm3: Some(mask.voxels() as f64 * spacing.cell_volume()),
+                surface_area_mm2: Some(counts.iter().zip(weights).map(|(&count, w)| count as f64 * w).sum()),
+                ..ReferenceValues::default()
+            }
+        })
+    }
+}
+
+/// How often each neighbourhood occurs.
+fn counts(mask: &Mask) -> [u64; 256] {
+    let rows: Vec<(i64, i64)> = mask.bounds().grown([1; 3]).rows().collect();
+    rows.par_iter().map(|&(y, z)| row_counts(mask, y, z)).reduce(
+        || [0u64; 256],
+        |mut sum, row| {
+            sum.iter_mut().zip(row).for_each(|(sum, count)| *sum += count);
+            sum
+        },
+    )
 }
 
 /// How often each neighbourhood occurs whose first corner lies in a row; bit n of its number is the corner at

@@ -17,6 +17,7 @@ mod dilation;
 mod directions;
 mod lindblad;
 mod odgaard_gundersen;
+mod sample;
 mod triangulation;
 mod voxel_counting;
 
@@ -24,10 +25,13 @@ pub use crofton::Crofton;
 pub use dilation::{area_derivative, structure_model_index};
 pub use lindblad::Lindblad;
 pub use odgaard_gundersen::OdgaardGundersen;
+pub use sample::SampleValues;
+#[cfg(feature = "io")]
+pub(crate) use sample::cut_areas;
 pub use triangulation::Triangulation;
 pub use voxel_counting::VoxelCounting;
 
-use crate::volume::Mask;
+use crate::volume::{Mask, Spacing};
 use serde::{Deserialize, Serialize};
 
 /// A way to measure a mask.
@@ -37,7 +41,21 @@ pub trait ReferenceMethod: Sync {
 
     /// Measures an object; what the method does not give stays `None`.
     fn measure(&self, mask: &Mask) -> ReferenceValues;
+
+    /// The same for masks of one spacing, with what depends on nothing else worked out once.
+    fn prepared(&self, _: Spacing) -> Prepared<'_> {
+        Box::new(|mask| self.measure(mask))
+    }
+
+    /// Of methods that count the voxels' topology,
+    /// [`SampleValues::euler_characteristic_edge_corrected`].
+    fn edge_corrected_euler(&self, _: &Mask) -> Option<f64> {
+        None
+    }
 }
+
+/// A method made ready for masks of one spacing.
+pub type Prepared<'a> = Box<dyn Fn(&Mask) -> ReferenceValues + Send + Sync + 'a>;
 
 /// What a method gives; names and units as those of `measure`.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
@@ -73,17 +91,30 @@ pub struct BoneValues {
     pub specific_surface_per_mm: Option<f64>,
     /// Conn.D, 1/mm^3: 1 less the solid's Euler characteristic, over TV.
     pub connectivity_density_per_mm3: Option<f64>,
+    /// BS/BV, 1/mm, without the faces in which the image cuts the object.
+    pub specific_surface_without_cuts_per_mm: Option<f64>,
+    /// Conn.D, 1/mm^3, with Odgaard and Gundersen's edge correction.
+    pub connectivity_density_edge_corrected_per_mm3: Option<f64>,
 }
 
 impl BoneValues {
     /// In a total volume TV, mm^3.
     pub fn new(values: &ReferenceValues, total_volume: f64) -> Self {
+        Self::of_sample(values, &SampleValues::default(), total_volume)
+    }
+
+    /// The same of a sample.
+    pub fn of_sample(values: &ReferenceValues, sample: &SampleValues, total_volume: f64) -> Self {
+        let specific = |area: Option<f64>| area.zip(values.volume_mm3).map(|(area, volume)| area / volume);
+        let connectivity = |chi: Option<f64>| chi.map(|chi| (1.0 - 0.5 * chi) / total_volume);
         Self {
             bone_volume_fraction: values.volume_mm3.map(|volume| volume / total_volume),
-            specific_surface_per_mm: values.surface_area_mm2.zip(values.volume_mm3).map(|(a, v)| a / v),
-            connectivity_density_per_mm3: values
-                .euler_characteristic
-                .map(|chi| (1.0 - 0.5 * chi) / total_volume),
+            specific_surface_per_mm: specific(values.surface_area_mm2),
+            connectivity_density_per_mm3: connectivity(values.euler_characteristic),
+            specific_surface_without_cuts_per_mm: specific(sample.surface_area_without_cuts_mm2),
+            connectivity_density_edge_corrected_per_mm3: connectivity(
+                sample.euler_characteristic_edge_corrected,
+            ),
         }
     }
 }

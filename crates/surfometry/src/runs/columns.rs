@@ -68,11 +68,13 @@ pub(super) const RECORD: [Group; 22] = [
 ];
 
 /// Of a [`ReferenceRecord`](super::ReferenceRecord).
-pub(super) const REFERENCE: [Group; 5] = [
+pub(super) const REFERENCE: [Group; 7] = [
     ("", &["input", "label", "method"]),
     ("", VALUES.split_at(4).0),
     ("", &["euler_characteristic", "structure_model_index"]),
+    ("", &["surface_area_without_cuts_mm2", "euler_characteristic_edge_corrected"]),
     ("", &["bone_volume_fraction", "specific_surface_per_mm", "connectivity_density_per_mm3"]),
+    ("", &["specific_surface_without_cuts_per_mm", "connectivity_density_edge_corrected_per_mm3", "flags"]),
     ("truth", TRUTH),
 ];
 

@@ -3,7 +3,7 @@
 use crate::Stopped;
 use crate::inputs::InputError;
 use crate::measurement::{MeasureError, StreamError};
-use crate::volume::VolumeError;
+use crate::volume::{LabelGroup, VolumeError};
 use std::io;
 use std::path::PathBuf;
 use thiserror::Error;
@@ -53,6 +53,14 @@ pub enum RunError {
     /// A file that was another one when it had been read.
     #[error("the file changed while it was read: measure it again when it is finished")]
     Changed,
+    /// A blur or thickness of what is not measured.
+    #[error("a sigma or thickness is given for label {label}, which is not among the objects: {objects}")]
+    UnusedScale {
+        /// The label, or labels.
+        label: LabelGroup,
+        /// The objects.
+        objects: String,
+    },
     /// What cannot be done with the input.
     #[error("{0}")]
     Unfit(&'static str),

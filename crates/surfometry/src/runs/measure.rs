@@ -37,6 +37,7 @@ impl MeasureTask {
         let plan = &self.plan;
         !plan.measurement.embedding.is_of_labels()
             || plan.per_component
+            || !plan.scales.is_empty()
             || plan.explain_topology == ExplainTopology::Always
             || self.draws()
     }

@@ -5,11 +5,12 @@ mod batch;
 mod cohort_files;
 mod columns;
 mod document;
+mod embed;
 mod error;
-#[cfg(feature = "pictures")]
 mod file_ledger;
 mod flatten;
 mod info;
+mod label_scales;
 #[cfg(feature = "pictures")]
 mod map;
 #[cfg(feature = "pictures")]
@@ -32,11 +33,12 @@ mod sweep_chart;
 pub use batch::{Batch, Collected, Item, Opened, Outcome, Sink, Task};
 pub use cohort_files::{CohortFile, write_cohort, write_zoo};
 pub use document::{CsvSink, JsonLinesSink, JsonSink, Row};
+pub use embed::{EmbedTask, EmbeddedObject};
 pub use error::RunError;
-#[cfg(feature = "pictures")]
 pub use file_ledger::FileLedger;
 pub use flatten::flatten;
 pub use info::{AffineDescription, InfoTask, InputDescription, LabelDescription};
+pub use label_scales::LabelScales;
 #[cfg(feature = "pictures")]
 pub use map::MapTask;
 #[cfg(feature = "pictures")]

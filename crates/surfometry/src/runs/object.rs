@@ -21,8 +21,6 @@ pub(super) struct InputFacts {
     pub(super) flags: Vec<Flag>,
     pub(super) read_seconds: f64,
     pub(super) explain: ExplainTopology,
-    /// How doubtful objects are measured again.
-    pub(super) recovering: Option<Measurement>,
     pub(super) control: Control,
 }
 
@@ -41,6 +39,8 @@ pub struct InputObject {
     pub object: Object,
     /// The same in the embedding that its surface is mapped in, where that is another one.
     pub(super) local: Option<Object>,
+    /// How it is measured again where that is doubtful.
+    pub(super) recovering: Option<Measurement>,
     pub(super) surface: OnceLock<Surface>,
     /// Its numbers, where they had to be known to choose the embedding.
     pub(super) measured: Option<Measured>,
@@ -89,7 +89,7 @@ impl InputObject {
     /// The same in the embedding in which it is to be measured and shown: the one that gives it back where the blur loses
     /// detail.
     pub(super) fn settled(mut self) -> Result<Self, RunError> {
-        let Some(choices) = &self.facts.recovering else { return Ok(self) };
+        let Some(choices) = &self.recovering else { return Ok(self) };
         let measured = self.measured.take().unwrap_or_else(|| self.object.measure());
         let (object, measured) = settled(choices, self.object, measured)?;
         self.facts.control.check()?;
@@ -177,7 +177,6 @@ impl InputFacts {
             flags: input.source.flags(),
             read_seconds,
             explain: plan.explain_topology,
-            recovering: plan.measurement.recovering().filter(|_| plan.recover),
             control: input.control.clone(),
         }
     }

@@ -1,8 +1,9 @@
 //! What is asked of every input of a run.
 
+use super::LabelScales;
 use crate::inputs::OpenOptions;
 use crate::measurement::{CurvatureScale, EmbeddingKind, MeasureError, Measurement};
-use crate::volume::LabelSelection;
+use crate::volume::{LabelGroup, LabelSelection};
 
 /// What is asked of every input of a run.
 ///
@@ -16,6 +17,8 @@ use crate::volume::LabelSelection;
 pub struct Plan {
     /// How objects are measured.
     pub measurement: Measurement,
+    /// Blur and thickness of labels that have their own.
+    pub scales: LabelScales,
     /// What the caller knows better than the input.
     pub open: OpenOptions,
     /// Which labels.
@@ -35,6 +38,7 @@ impl Default for Plan {
     fn default() -> Self {
         Self {
             measurement: Measurement::default(),
+            scales: LabelScales::default(),
             open: OpenOptions::default(),
             labels: LabelSelection::default(),
             curvature: CurvatureScale::default(),
@@ -59,12 +63,20 @@ pub enum ExplainTopology {
 }
 
 impl Plan {
+    /// How an object of a label, or of labels that are united, is measured.
+    pub fn measurement_of(&self, label: &LabelGroup) -> Measurement {
+        self.scales.of(label, self.measurement)
+    }
+
     /// Refuses what contradicts itself, whatever the input.
     ///
     /// # Errors
     /// [`MeasureError`].
     pub fn check(&self) -> Result<(), MeasureError> {
         self.measurement.check()?;
+        for label in self.scales.labels() {
+            self.measurement_of(label).check()?;
+        }
         let conflict = |text| Err(MeasureError::Conflict(text));
         let mapped_apart = self.curvature != CurvatureScale::AsMeasured;
         match self.measurement.embedding {
@@ -73,6 +85,9 @@ impl Plan {
             }
             kind if self.per_component && !kind.is_of_labels() => conflict(
                 "a field or soft segmentation has no labels whose pieces could be told apart: measure it as one object",
+            ),
+            kind if !self.scales.is_empty() && !kind.is_of_labels() => conflict(
+                "a field or soft segmentation has no labels: give one blur and one thickness for the whole",
             ),
             kind if self.labels != LabelSelection::All && !kind.is_of_labels() => {
                 conflict("a field or soft segmentation has no labels: leave the choice of labels out")

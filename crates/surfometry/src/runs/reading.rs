@@ -53,6 +53,7 @@ impl<'a> Reading<'a> {
             _ => {
                 let image = LabelImage::from_slabs(&mut slabs)?;
                 let groups = plan.labels.resolve(&image).map_err(MeasureError::from)?;
+                plan.scales.check(&groups)?;
                 let (names, truth) = (source.label_names(), source.truth());
                 Content::Labels(Box::new(Labelled { image, groups, names, truth }))
             }
@@ -117,7 +118,7 @@ impl<'a> Reading<'a> {
                 let name = name_of(names, label);
                 let object = |(piece, mask): (u64, Mask)| {
                     let component = plan.per_component.then_some(piece);
-                    self.of_mask(mask, plan).map(|object| InputObject {
+                    self.of_mask(mask, label, plan).map(|object| InputObject {
                         label: Some(label.clone()),
                         name: name.clone(),
                         component,
@@ -130,16 +131,15 @@ impl<'a> Reading<'a> {
         }
     }
 
-    fn of_mask(&self, mask: Mask, plan: &Plan) -> Result<InputObject, RunError> {
-        let mask = Arc::new(mask);
+    fn of_mask(&self, mask: Mask, label: &LabelGroup, plan: &Plan) -> Result<InputObject, RunError> {
+        let (mask, measurement) = (Arc::new(mask), plan.measurement_of(label));
         let local = match plan.curvature {
             CurvatureScale::AsMeasured => None,
-            scale => {
-                Some(plan.measurement.for_local_curvature(&mask, scale)?.prepare(&mask)?.under(self.control))
-            }
+            scale => Some(measurement.for_local_curvature(&mask, scale)?.prepare(&mask)?.under(self.control)),
         };
-        let object = plan.measurement.prepare(mask)?;
-        Ok(InputObject { local, ..self.bare(object) })
+        let object = measurement.prepare(mask)?;
+        let recovering = measurement.recovering().filter(|_| plan.recover);
+        Ok(InputObject { local, recovering, ..self.bare(object) })
     }
 
     fn of_probability(&self, image: &Arc<ProbabilityImage>, plan: &Plan) -> Result<InputObject, RunError> {
@@ -166,6 +166,7 @@ impl<'a> Reading<'a> {
             count: self.count(),
             object: object.under(self.control),
             local: None,
+            recovering: None,
             surface: OnceLock::new(),
             measured: None,
             truth: None,

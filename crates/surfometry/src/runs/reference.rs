@@ -3,9 +3,10 @@
 use super::columns::{REFERENCE, columns};
 use super::reading::labelled_masks;
 use super::{Item, Opened, Plan, Row, RunError, Task};
+use crate::accuracy::{Flag, FlagCode, thick_slices};
 use crate::phantoms::Truth;
-use crate::reference_methods::{BoneValues, ReferenceMethod, ReferenceValues};
-use crate::volume::LabelGroup;
+use crate::reference_methods::{BoneValues, ReferenceMethod, ReferenceValues, SampleValues, cut_areas};
+use crate::volume::{LabelGroup, Mask};
 use serde::{Deserialize, Serialize};
 
 /// Name and version of the format.
@@ -23,9 +24,15 @@ pub struct ReferenceRecord {
     /// What it gives.
     #[serde(flatten)]
     pub values: ReferenceValues,
+    /// The same where the image's cuts are no part of the object.
+    #[serde(flatten, default)]
+    pub sample: SampleValues,
     /// In the volume of the image.
     #[serde(flatten)]
     pub bone: BoneValues,
+    /// What can be doubtful.
+    #[serde(default)]
+    pub flags: Vec<Flag>,
     /// Exact integrals, for phantoms.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub truth: Option<Truth>,
@@ -65,20 +72,45 @@ impl Task for ReferenceTask<'_> {
         let grid = *input.source.grid();
         let total_volume = grid.index_box().voxels() as f64 * grid.spacing().cell_volume();
         let truth = input.source.truth();
+        let methods: Vec<_> =
+            self.methods.iter().map(|&method| (method, method.prepared(grid.spacing()))).collect();
         for (label, mask) in labelled_masks(input, &self.plan)? {
-            for method in &self.methods {
+            let of_object: Vec<Flag> = input.source.flags().into_iter().chain(object_flags(&mask)).collect();
+            for (method, measure) in &methods {
                 input.control.check()?;
-                let values = method.measure(&mask);
+                let values = measure(&mask);
+                let sample = SampleValues::new(*method, measure, &mask, &values);
                 out(Item::Row(ReferenceRecord {
                     input: input.name.to_owned(),
                     label: label.clone(),
                     method: method.name().to_owned(),
                     values,
-                    bone: BoneValues::new(&values, total_volume),
+                    sample,
+                    bone: BoneValues::of_sample(&values, &sample, total_volume),
+                    flags: of_object.iter().cloned().chain(vanished(&values)).collect(),
                     truth,
                 }));
             }
         }
         Ok(())
     }
+}
+
+/// What is doubtful by any method.
+fn object_flags(mask: &Mask) -> impl Iterator<Item = Flag> {
+    let cuts: f64 = cut_areas(mask).as_flattened().iter().sum();
+    let cut = (cuts > 0.0).then(|| {
+        let message = format!(
+            "the edge of the image cuts the object in {cuts:.1} mm2: area, mean curvature, SMI and chi are those of the piece, closed there \
+             with a flat cap; of a sample of something larger, the values without cuts and with edge correction are meant"
+        );
+        Flag::new(FlagCode::TouchesBorder, message)
+    });
+    cut.into_iter().chain(thick_slices(mask.grid().spacing()))
+}
+
+/// Smoothing leaves nothing of objects of a few voxels.
+fn vanished(values: &ReferenceValues) -> Option<Flag> {
+    let message = "the method's smoothing leaves nothing of the object, so it has no numbers";
+    (*values == ReferenceValues::default()).then(|| Flag::new(FlagCode::SurfaceVanished, message))
 }

@@ -18,6 +18,13 @@ pub(crate) struct EulerNumbers {
 }
 
 impl EulerNumbers {
+    /// Of the part of an object in a box.
+    pub(crate) fn within(mask: &Mask, region: &IndexBox) -> Self {
+        let (part, mut numbers) = (mask.on_bounds(*region), Self::default());
+        numbers.add(&part, &region.grown([1; 3]));
+        numbers
+    }
+
     /// What is added by the neighbourhoods of 2 x 2 x 2 voxels whose first voxel lies in a box.
     pub(crate) fn add(&mut self, mask: &Mask, first: &IndexBox) {
         let around = mask.bounds().grown([1; 3]);

@@ -32,6 +32,7 @@ pub use changes::{ChangeKind, TopologyChange, topology_changes};
 pub use component_labels::ComponentLabels;
 pub use components::Connectivity;
 pub(crate) use disjoint_sets::DisjointSets;
+pub(crate) use euler::EulerNumbers;
 
 use crate::tiling::Cover;
 use crate::volume::Mask;

@@ -12,6 +12,7 @@
 //! ```
 
 mod affine;
+mod continued;
 mod error;
 mod field;
 mod grid;

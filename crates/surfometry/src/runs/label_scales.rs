@@ -1,0 +1,65 @@
+//! Blur and thickness of some labels that differ from the others'.
+
+use super::RunError;
+use crate::measurement::Measurement;
+use crate::volume::LabelGroup;
+
+/// Lengths in mm of some objects in the place of those that all have; `None` stands for the automatic one. The
+/// paper has one standard deviation for each tissue class.
+///
+/// ```
+/// use surfometry::runs::{LabelScales, Plan, records_of};
+/// use surfometry::volume::LabelGroup;
+/// let sigma_mm = vec![(LabelGroup::single(1), Some(1.5))];
+/// let plan = Plan { scales: LabelScales { sigma_mm, ..LabelScales::default() }, ..Plan::default() };
+/// let records = records_of("phantom:ball?radius=8", &plan)?;
+/// assert_eq!(records[0].measured.parameters.sigma_mm, Some(1.5));
+/// # Ok::<(), surfometry::runs::RunError>(())
+/// ```
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct LabelScales {
+    /// Blurs.
+    pub sigma_mm: Vec<(LabelGroup, Option<f64>)>,
+    /// Thicknesses of the band.
+    pub thickness_mm: Vec<(LabelGroup, Option<f64>)>,
+}
+
+impl LabelScales {
+    /// Whether all objects have the same.
+    pub fn is_empty(&self) -> bool {
+        self.sigma_mm.is_empty() && self.thickness_mm.is_empty()
+    }
+
+    /// The objects that have their own.
+    pub fn labels(&self) -> impl Iterator<Item = &LabelGroup> {
+        self.sigma_mm.iter().chain(&self.thickness_mm).map(|(label, _)| label)
+    }
+
+    /// How an object is measured, where all others are by `measurement`.
+    #[must_use]
+    pub fn of(&self, label: &LabelGroup, measurement: Measurement) -> Measurement {
+        let own = |lengths: &[(LabelGroup, Option<f64>)]| {
+            lengths.iter().find(|(of, _)| of == label).map(|&(_, length)| length)
+        };
+        let sigma = own(&self.sigma_mm).map_or(measurement, |sigma| measurement.sigma_mm(sigma));
+        own(&self.thickness_mm).map_or(sigma, |thickness| sigma.thickness_mm(thickness))
+    }
+
+    /// Refuses lengths of what is not among the objects.
+    ///
+    /// # Errors
+    /// [`RunError::UnusedScale`].
+    pub fn check(&self, objects: &[LabelGroup]) -> Result<(), RunError> {
+        match self.labels().find(|&label| !objects.contains(label)) {
+            Some(label) => Err(RunError::UnusedScale { label: label.clone(), objects: listed(objects) }),
+            None => Ok(()),
+        }
+    }
+}
+
+fn listed(objects: &[LabelGroup]) -> String {
+    const SHOWN: usize = 20;
+    let names: Vec<String> = objects.iter().take(SHOWN).map(ToString::to_string).collect();
+    let more = objects.len().saturating_sub(SHOWN);
+    if more == 0 { names.join(", ") } else { format!("{} and {more} more", names.join(", ")) }
+}
