@@ -1,6 +1,6 @@
 //! Objects of which the blur loses detail are measured again, in the embedding that gives it back.
 
-use super::{EmbeddingKind, MeasureError, Measured, Measurement, Object};
+use super::{EmbeddingKind, MeasureError, Measured, Measurement, Object, SurfaceValues};
 use crate::accuracy::FlagCode;
 use crate::volume::{Mask, Shared};
 
@@ -65,10 +65,11 @@ impl Measured {
         feasible && self.flags.iter().any(|flag| DOUBTS.contains(&flag.code))
     }
 
-    /// Standard error of the area as a share of it; without bound where there is none.
-    fn error_of_area(&self) -> f64 {
-        let error = self.standard_error.surface_area_mm2.zip(self.surface_area_mm2);
-        error.map_or(f64::INFINITY, |(error, area)| error / area)
+    /// What the errors of A and M amount to together: their product, in which neither's unit counts; without bound where
+    /// one is not known. A alone would leave noisy masks to the blur, whose M then has no error to speak of.
+    fn uncertainty(&self) -> f64 {
+        let SurfaceValues { surface_area_mm2, total_mean_curvature_mm, .. } = self.standard_error;
+        surface_area_mm2.zip(total_mean_curvature_mm).map_or(f64::INFINITY, |(area, mean)| area * mean)
     }
 }
 
@@ -83,7 +84,7 @@ pub(crate) fn settled(
     }
     let again = choices.prepare(object.mask())?.under(object.control());
     let mut found = again.measure();
-    if found.error_of_area() >= measured.error_of_area() {
+    if found.uncertainty() >= measured.uncertainty() {
         return Ok((object, measured));
     }
     found.timings = found.timings.plus(&measured.timings);
