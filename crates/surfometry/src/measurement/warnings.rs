@@ -21,6 +21,8 @@ pub(super) struct Evidence {
     pub(super) spacing: Spacing,
     /// Whether the embedding is the distance.
     pub(super) distance: bool,
+    /// Whether the embedding is a field that was given.
+    pub(super) given: bool,
     /// Whether it is the corrected blur.
     pub(super) corrected: bool,
     /// Whether the voxels are corrected, so that thin parts are there.
@@ -137,8 +139,13 @@ fn band_flags(e: &Evidence) -> Vec<Flag> {
         return vec![Flag::new(FlagCode::SurfaceVanished, message)];
     }
     let Some(plain) = e.with_surface() else {
-        let message = "no voxel with a normal lies in the band, so the surface integrals are null: band or blur are too thin \
-                       for this grid; use a larger sigma, and an automatic thickness";
+        let message = if e.sigma.is_some() {
+            "no voxel with a normal lies in the band, so the surface integrals are null: band or blur are too thin for this grid; use a \
+             larger sigma, and an automatic thickness"
+        } else {
+            "no voxel with a normal lies in the band, so the surface integrals are null: the band is too thin for this grid, or the field \
+             jumps over it; use an automatic thickness, and a field that is smooth at its zero level"
+        };
         return vec![Flag::new(FlagCode::EmptyBand, message)];
     };
     let mut flags = Vec::new();
@@ -232,10 +239,17 @@ fn topology_flags(e: &Evidence) -> Vec<Flag> {
     }
     let of_mesh = e.mesh.map(|mesh| mesh.euler_characteristic());
     if let Some(of_mesh) = of_mesh.filter(|of_mesh| *of_mesh != voxels) {
-        let message = format!(
-            "the Euler characteristic of the blurred surface is {of_mesh}, the voxels' {voxels}: the blur closed or opened handles, cavities or \
-             bridges"
-        );
+        let message = if e.given {
+            format!(
+                "the Euler characteristic of the field's zero level is {of_mesh}, that of the voxels inside it {voxels}: between voxels the \
+                 field joins or parts what their corners and edges do not"
+            )
+        } else {
+            format!(
+                "the Euler characteristic of the blurred surface is {of_mesh}, the voxels' {voxels}: the blur closed or opened handles, \
+                 cavities or bridges"
+            )
+        };
         flags.push(Flag::new(FlagCode::EulerDiffersFromVoxels, message));
     } else if near && even != voxels as f64 && !e.recovering {
         let message = format!(
