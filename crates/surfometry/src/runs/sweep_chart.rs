@@ -49,6 +49,7 @@ pub(super) fn write_sweep_chart(
     let drawn = LineChart {
         along: over.axis(),
         values: &values,
+        marks: &[],
         log: chart.log,
         panels: &panels,
         title: &format!("{}{label}", input_title(&first.input)),
