@@ -67,7 +67,8 @@ const FLAT: f64 = 0.004;
 fn cut_off(desk: &mut Desk, whole: &Mask) -> Result<()> {
     let grid = whole.grid();
     let [nx, ny, nz] = grid.dimensions();
-    let first = (CUT * nz as f64) as usize;
+    let bounds = whole.bounds();
+    let first = bounds.lower[2] as usize + (CUT * bounds.extent()[2] as f64) as usize;
     let mut affine = *grid.affine();
     affine.origin = affine.apply([0.0, 0.0, first as f64]);
     let own = |[x, y, z]: [usize; 3]| [x as i64, y as i64, (z + first) as i64];

@@ -186,8 +186,7 @@ fn charts(desk: &mut Desk, rows: &[Row]) -> Result<()> {
                 .map(|((name, pairs), agreement)| AgreementPanel { name, pairs, agreement })
                 .collect();
             let method = format!("{kind}, {called}");
-            let chart =
-                AgreementChart { method: &method, standard: "smoothed triangulation", panels: &panels };
+            let chart = AgreementChart { method: &method, standard: "standard", panels: &panels };
             figures.push((format!("{called}-{kind}"), chart.figure()));
         }
         desk.figures(&figures, &format!("{title}: regression and Bland-Altman plots, as the paper's."))?;
