@@ -2,8 +2,9 @@
 //! and what delta and Heaviside look like.
 
 use crate::Experiment;
+use crate::bones::phantom_mask;
 use crate::desk::Desk;
-use crate::sweeps::{Swept, Value, range, subject};
+use crate::sweeps::{SUBJECT, Swept, Value, range, subject};
 use crate::table::Table;
 use anyhow::{Context, Result};
 use surfometry::Measurement;
@@ -93,7 +94,7 @@ fn unevenness(measured: &[Measured]) -> f64 {
 
 /// Delta and Heaviside in the vertebra's middle slice.
 fn responses(desk: &mut Desk) -> Result<()> {
-    let [_, (_, mask)] = subject()?;
+    let mask = phantom_mask(SUBJECT[1].1)?;
     let mut figures = Vec::new();
     for t in SHOWN {
         let object = Measurement::paper().sigma_mm(2.5).thickness_mm(t).prepare(&mask)?;

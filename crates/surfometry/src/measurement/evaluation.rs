@@ -62,9 +62,7 @@ impl Setup {
         let clip = open.map(|open| open.part.summary(cell_volume, &open.boundary));
         let evidence = Evidence {
             spacing: self.grid.spacing(),
-            distance: self.parameters.embedding.is_distance(),
-            given: self.parameters.embedding == EmbeddingKind::Given,
-            corrected: self.parameters.embedding.is_corrected(),
+            embedding: self.parameters.embedding,
             recovering: totals.recovered.is_some(),
             sigma: self.parameters.sigma_mm,
             thickness: self.parameters.thickness_mm,

@@ -1,5 +1,6 @@
 //! Which warnings follow from the numbers.
 
+use super::EmbeddingKind;
 use crate::accuracy::{Flag, FlagCode, place_text};
 use crate::integrals::Integrals;
 use crate::surface::SurfaceSummary;
@@ -19,12 +20,8 @@ pub(super) struct NarrowPlace {
 pub(super) struct Evidence {
     /// Voxel spacing.
     pub(super) spacing: Spacing,
-    /// Whether the embedding is the distance.
-    pub(super) distance: bool,
-    /// Whether the embedding is a field that was given.
-    pub(super) given: bool,
-    /// Whether it is the corrected blur.
-    pub(super) corrected: bool,
+    /// How the object became a field.
+    pub(super) embedding: EmbeddingKind,
     /// Whether the voxels are corrected, so that thin parts are there.
     pub(super) recovering: bool,
     /// Blur in mm, for the Gaussian embedding.
@@ -164,7 +161,7 @@ fn band_flags(e: &Evidence) -> Vec<Flag> {
         flags.push(Flag::new(FlagCode::ThicknessAboveObject, message));
     }
     flags.extend(mesh_flag(e, &plain));
-    if e.corrected && e.sigma.is_some_and(|sigma| e.thickness > CORRECTED_THICKNESS * sigma) {
+    if e.embedding.is_corrected() && e.sigma.is_some_and(|sigma| e.thickness > CORRECTED_THICKNESS * sigma) {
         let message = format!(
             "the band is {:.4} mm thick, more than 1.6 sigma, where the corrected field is no longer steep: its integrals are biased; use \
              the Gaussian embedding, whose numbers have no such limit, or a larger sigma",
@@ -218,7 +215,7 @@ fn topology_flags(e: &Evidence) -> Vec<Flag> {
     }
     let voxels = e.voxel_euler;
     let mesh = e.mesh.map_or_else(String::new, |m| format!(" and the mesh's {}", m.euler_characteristic()));
-    if e.distance {
+    if e.embedding.is_distance() {
         let message = format!(
             "distances between voxels are quantised, so curvature from them is noise and the Euler characteristic \
              {chi:.1} meaningless (the voxels' is {voxels}{mesh}); use the Gaussian embedding"
@@ -239,7 +236,7 @@ fn topology_flags(e: &Evidence) -> Vec<Flag> {
     }
     let of_mesh = e.mesh.map(|mesh| mesh.euler_characteristic());
     if let Some(of_mesh) = of_mesh.filter(|of_mesh| *of_mesh != voxels) {
-        let message = if e.given {
+        let message = if e.embedding == EmbeddingKind::Given {
             format!(
                 "the Euler characteristic of the field's zero level is {of_mesh}, that of the voxels inside it {voxels}: between voxels the \
                  field joins or parts what their corners and edges do not"
