@@ -3,6 +3,7 @@
 //! A folder an experiment: `mod.rs` says what the paper did and does it, `expected/numbers.csv` holds what
 //! came out when it was last looked at. What is done already is not done again.
 
+mod alternatives;
 mod bones;
 mod curvature_flow;
 mod dataset;
@@ -18,6 +19,7 @@ mod table;
 mod thickness;
 mod torus;
 mod validation;
+mod workflow;
 
 use anyhow::{Result, bail};
 use clap::Parser;
@@ -36,7 +38,8 @@ pub(crate) struct Experiment {
 }
 
 /// In the order of the page; later ones read what earlier ones measured.
-const EXPERIMENTS: [Experiment; 11] = [
+const EXPERIMENTS: [Experiment; 13] = [
+    workflow::EXPERIMENT,
     torus::EXPERIMENT,
     curvature_flow::EXPERIMENT,
     dataset::EXPERIMENT,
@@ -48,6 +51,7 @@ const EXPERIMENTS: [Experiment; 11] = [
     second_hole::EXPERIMENT,
     overview::EXPERIMENT,
     local_accuracy::EXPERIMENT,
+    alternatives::EXPERIMENT,
 ];
 
 /// Reproduces the figures and tables of Besler et al. on a cohort made by code

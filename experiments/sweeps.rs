@@ -1,11 +1,11 @@
 //! One subject's bones over a range of a parameter, by the paper's settings and by ours.
 
-use crate::bones::progress;
+use crate::bones::{phantom_mask, progress};
 use anyhow::Result;
 use surfometry::Measurement;
 use surfometry::measurement::Measured;
 use surfometry::pictures::{ChartLine, ChartPanel};
-use surfometry::volume::Mask;
+use surfometry::volume::{Grid, Mask};
 
 /// The paper's subject: 0.672 mm in plane, slices of 1 mm.
 pub(crate) const SUBJECT: [(&str, &str); 2] = [
@@ -18,6 +18,24 @@ pub(crate) const SUBJECT: [(&str, &str); 2] = [
         "phantom:vertebra?individual=23&spacing=0.672,0.672,1.0&rotate=4,-3,6&shift=0.2,0.1,0.3&jitter=0.15",
     ),
 ];
+
+/// Voxels between its bones, further than any blur here reaches.
+const APART: usize = 60;
+
+/// Both of its bones as they lie in one scan: the vertebra above the femur and to its left, on one grid.
+pub(crate) fn subject() -> Result<[(&'static str, Mask); 2]> {
+    let [femur, vertebra] = SUBJECT.map(|(_, spec)| phantom_mask(spec));
+    let (femur, vertebra) = (femur?, vertebra?);
+    let [below, above] = [&femur, &vertebra].map(|mask| mask.grid().dimensions());
+    let start: [usize; 3] = below.map(|n| n + APART);
+    let grid = Grid::new(std::array::from_fn(|a| start[a] + above[a]), *femur.grid().affine())?;
+    // A mask moved by whole voxels is the same mask.
+    let placed = |mask: &Mask, start: [usize; 3]| {
+        let own = |index: [usize; 3]| std::array::from_fn(|a| index[a] as i64 - start[a] as i64);
+        Mask::from_predicate(grid, |index| mask.get(own(index)))
+    };
+    Ok([(SUBJECT[0].0, placed(&femur, [0; 3])), (SUBJECT[1].0, placed(&vertebra, start))])
+}
 
 /// Values of a range.
 pub(crate) const STEPS: usize = 100;

@@ -17,3 +17,12 @@ impl Table {
         self.0.join("\n")
     }
 }
+
+/// A number with the digits that its size is worth.
+pub(crate) fn short(value: f64) -> String {
+    match value.abs() {
+        size if size >= 100.0 => format!("{value:.0}"),
+        size if size >= 1.0 => format!("{value:.1}"),
+        _ => format!("{value:.4}"),
+    }
+}

@@ -1,5 +1,9 @@
 #!/usr/bin/env python3
-"""Checks that links between Markdown files lead somewhere and that every flag has its section in docs/flags.md."""
+"""Checks that links between Markdown files lead somewhere, that every flag has its section in docs/flags.md, and
+that every test, bench and experiment that a page names is there.
+
+    scripts/check_docs.py --figures     # also lists the sentences with measured figures for which their section names none
+"""
 
 import pathlib
 import re
@@ -26,6 +30,61 @@ def flags_without_section():
     yield from (f"docs/flags.md: section `{code}` is no flag" for code in sorted(sections - codes))
 
 
-problems = [*broken_links(), *flags_without_section()]
-print("\n".join(problems) or "docs: links and flags are in order")
+# What measures a page's figures: a test, a bench, an experiment or a command of the program.
+WITNESS = re.compile(
+    r"--test (?P<test>\w+)|(?P<path>(?:experiments|benches|tests|crates)/[\w/.-]*\w)|surfometry validate|cargo run [^\n]*surfometry-experiments|cargo bench|`(?P<module>[a-z_]+/[a-z_]+\.rs)`"
+)
+# A figure that was measured: of errors, times and sizes. Lengths in voxels are settings as often, so they need a verb of error.
+FIGURE = re.compile(r"\d ?%|\d(?:\.\d+)? (?:s|ms|seconds|minutes|MiB|GiB)\b|(?:right|off|within|low|large|small|wrong)\b[^.]* \d[\d.]* (?:of a )?voxels?")
+
+
+def sections(page):
+    """Texts between headings; blocks of code belong to theirs."""
+    return re.split(r"^(?=#{2,} )", page.read_text(encoding="utf-8"), flags=re.MULTILINE)
+
+
+def sentences(section):
+    prose = re.sub(r"^```.*?^```", "", section, flags=re.MULTILINE | re.DOTALL)
+    # A table's row is a sentence.
+    rows = [line for line in prose.splitlines() if line.startswith("|")]
+    text = " ".join(line.strip() for line in prose.splitlines() if not line.startswith(("|", "#")))
+    return [*re.split(r"(?<=[.:;]) (?=[A-Z`*-])", text), *rows]
+
+
+def pages():
+    # The page of the paper's results is written by its program, the changelog is history.
+    return [page for page in [ROOT / "README.md", *sorted(ROOT.glob("docs/*.md"))] if page.name != "reproduction.md"]
+
+
+def missing_witnesses():
+    tests = {test.stem for test in ROOT.glob("crates/*/tests/*.rs")}
+    for page in pages():
+        for match in WITNESS.finditer(page.read_text(encoding="utf-8")):
+            test, path, module = match["test"], match["path"], match["module"]
+            found = (
+                test in tests if test
+                else any((ROOT / base / path).exists() or (ROOT / base / f"{path}.rs").exists() for base in ("", "crates/surfometry")) if path
+                else any(any(ROOT.glob(f"{base}{module}")) for base in ("", "crates/*/", "crates/*/src/")) if module
+                else True
+            )
+            if not found:
+                yield f"{page.relative_to(ROOT)}: `{match[0]}` does not exist"
+
+
+def unwitnessed_figures():
+    for page in pages():
+        # What a page's head names measures all of the page.
+        head, *rest = sections(page)
+        for section in () if WITNESS.search(head) else (head, *rest):
+            if not WITNESS.search(section):
+                heading = section.splitlines()[0].lstrip("# ") if section.strip() else ""
+                yield from (f"{page.relative_to(ROOT)}, {heading}: {s.strip()}" for s in sentences(section) if FIGURE.search(s))
+
+
+problems = [*broken_links(), *flags_without_section(), *missing_witnesses()]
+print("\n".join(problems) or "docs: links, flags and what measures figures are in order")
+unwitnessed = list(unwitnessed_figures())
+if "--figures" in sys.argv:
+    print("\n".join(unwitnessed))
+print(f"docs: {len(unwitnessed)} sentences with figures are on pages and in sections that name nothing that measures them (--figures lists them)")
 sys.exit(bool(problems))

@@ -138,24 +138,59 @@ def errors(case, exact, field, folder):
     return *percent, (values["euler_characteristic"] or np.nan) - exact["euler_characteristic"], h, k
 
 
+NUMBERS = Path(__file__).parent / "expected" / "numbers.csv"
+COLUMNS = ("V_percent", "A_percent", "M_percent", "chi", "H_percent", "K_percent")
+# Filters and libraries differ between versions and machines.
+TOLERANCE = 0.02
+
+
+def differences(found):
+    """Where numbers are not the expected ones, a line each; NaN is a number that could not be had."""
+    with open(NUMBERS) as rows:
+        expected = {row["name"]: float(row["value"]) for row in csv.DictReader(rows)}
+    for name, value in found.items():
+        other = expected.get(name, float("inf"))
+        if not (np.isnan(value) and np.isnan(other)) and not abs(value - other) <= TOLERANCE * max(abs(other), 1):
+            yield f"{name} is {value}, expected {other}"
+
+
+def study(shape, resolution, pose):
+    """All embeddings of a shape: prints its table, gives its numbers by name."""
+    case = Case(SHAPES[shape], resolution, pose)
+    exact = record(PHANTOMS[shape](case.scale))["truth"]
+    inside = np.pad(case.mask, PADDING)
+    print(f"\n{shape}, R = {resolution:g} voxels\n\n| embedding | V % | A % | M % | chi | H % | K % | s |\n|---|---|---|---|---|---|---|---|")
+    numbers = {}
+    for name, embed in EMBEDDINGS.items():
+        start = time.perf_counter()
+        field = embed(inside)
+        seconds = time.perf_counter() - start
+        with tempfile.TemporaryDirectory() as folder:
+            values = errors(case, exact, field, Path(folder))
+        numbers |= {f"{name}.{shape}.{column}": float(value) for column, value in zip(COLUMNS, values)}
+        v, a, m, chi, h, k = values
+        print(f"| {name} | {v:+.2f} | {a:+.2f} | {m:+.2f} | {chi:+.2f} | {h:.1f} | {k:.1f} | {seconds:.1f} |", flush=True)
+    return numbers
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--resolution", type=float, default=15, help="R in voxels")
     parser.add_argument("--shapes", nargs="+", default=list(PHANTOMS), choices=list(PHANTOMS))
     parser.add_argument("--pose", type=int, default=300)
+    parser.add_argument("--check", action="store_true", help="compare with expected/; exit status 1 where numbers differ")
+    parser.add_argument("--accept", action="store_true", help="take the numbers into expected/, from where the page of the paper's results has them")
     args = parser.parse_args()
+    numbers = {}
     for shape in args.shapes:
-        case = Case(SHAPES[shape], args.resolution, args.pose)
-        exact = record(PHANTOMS[shape](case.scale))["truth"]
-        inside = np.pad(case.mask, PADDING)
-        print(f"\n{shape}, R = {args.resolution:g} voxels\n\n| embedding | V % | A % | M % | chi | H % | K % | s |\n|---|---|---|---|---|---|---|---|")
-        for name, embed in EMBEDDINGS.items():
-            start = time.perf_counter()
-            field = embed(inside)
-            seconds = time.perf_counter() - start
-            with tempfile.TemporaryDirectory() as folder:
-                v, a, m, chi, h, k = errors(case, exact, field, Path(folder))
-            print(f"| {name} | {v:+.2f} | {a:+.2f} | {m:+.2f} | {chi:+.2f} | {h:.1f} | {k:.1f} | {seconds:.1f} |", flush=True)
+        numbers |= study(shape, args.resolution, args.pose)
+    if args.accept:
+        NUMBERS.parent.mkdir(exist_ok=True)
+        with open(NUMBERS, "w", newline="") as file:
+            csv.writer(file, lineterminator="\n").writerows([("name", "value"), *((name, f"{value:.4f}") for name, value in numbers.items())])
+    wrong = list(differences(numbers)) if args.check else []
+    print(*wrong, sep="\n")
+    sys.exit(bool(wrong))
 
 
 if __name__ == "__main__":

@@ -44,6 +44,7 @@ fn run(desk: &mut Desk) -> Result<()> {
     let chart = LineChart {
         along: "time sigma²/2 (mm²)",
         values: &times,
+        marks: &[],
         log: false,
         panels: &[ChartPanel { name: "radius (mm)", lines }],
         title: "A ball of 20 mm under blur",

@@ -71,6 +71,7 @@ fn run(desk: &mut Desk) -> Result<()> {
     let chart = LineChart {
         along: "R (voxels)",
         values: &RESOLUTIONS,
+        marks: &[],
         log: true,
         panels: &panels,
         title: "Convergence of local curvature",

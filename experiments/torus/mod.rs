@@ -63,7 +63,7 @@ fn run(desk: &mut Desk) -> Result<()> {
         }
     }
     desk.say(
-        "The paper shows a torus of radii 30 and 10 mm, of 1 mm voxels, whose curvature is quantised by the distance transform and smooth after a blur. Ours lies rotated and off \
+        "The paper shows a torus of radii 30 and 10 mm (20 and 40 mm within and without; its voxels are not told, ours are of 1 mm), whose curvature is quantised by the distance transform and smooth after a blur. Ours lies rotated and off \
          the grid. Errors are against the exact torus; those of H and K are rms over the surface, in units of 1/R and 1/R², R = 10 mm. The blur itself takes 4 % of the volume: that is what \
          compensation gives back (see the validation).",
     );

@@ -102,7 +102,11 @@ fn measure(bone: &Bone) -> Result<Vec<Row>> {
     for method in REFERENCES {
         add(method.name(), reference(method, &mask));
     }
-    for method in [&Triangulation::Smoothed as &dyn ReferenceMethod, &OdgaardGundersen::Foreground26] {
+    for method in [
+        &Triangulation::Smoothed as &dyn ReferenceMethod,
+        &Triangulation::SmoothedOneSided,
+        &OdgaardGundersen::Foreground26,
+    ] {
         add(&format!("{} on the re-binarised mask", method.name()), reference(method, &again));
     }
     Ok(rows)

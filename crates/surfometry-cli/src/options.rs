@@ -9,7 +9,7 @@ use std::str::FromStr;
 use surfometry::Measurement;
 use surfometry::inputs::OpenOptions;
 use surfometry::integrals::{QuadratureRule, Smearing};
-use surfometry::measurement::{Clip, CurvatureScale, Derivatives, EmbeddingKind};
+use surfometry::measurement::{Clip, CurvatureScale, Derivatives, EmbeddingKind, Padding};
 use surfometry::runs::{LabelScales, Plan, SweptParameter};
 use surfometry::volume::{LabelGroup, LabelSelection, Spacing};
 
@@ -182,6 +182,10 @@ pub(crate) struct MeasureOptions {
     /// sections 3 sigma from the cuts
     #[arg(long, default_value = "cap", value_parser = one_of::<Clip>())]
     clip: Clip,
+    /// Closes a given field where its edge cuts the object: beyond it the field rises to this positive number in
+    /// its own units, `auto` to its largest value [default: the surface is left open there]
+    #[arg(long, value_name = "VALUE|auto", value_parser = padding, allow_hyphen_values = true)]
+    padding: Option<Padding>,
     /// The paper's choices: finite-difference, simpson, sigma 2, thickness 2.5; options given beside it win
     #[arg(long)]
     paper: bool,
@@ -205,7 +209,7 @@ impl MeasureOptions {
 
     fn measurement(&self) -> Measurement {
         let mut m = if self.paper { Measurement::paper() } else { Measurement::default() };
-        m = m.embedding(self.embedding.unwrap_or_default()).clip(self.clip);
+        m = m.embedding(self.embedding.unwrap_or_default()).clip(self.clip).padding(self.padding);
         if let Some(sigma) = self.sigma.as_ref().and_then(|lengths| lengths.of_all) {
             m = m.sigma_mm(sigma.mm());
         }
@@ -255,6 +259,10 @@ fn fraction(text: &str) -> Result<f64, String> {
 
 fn length(text: &str) -> Result<Length, String> {
     if text == "auto" { Ok(Length::Auto) } else { positive(text).map(Length::Mm) }
+}
+
+fn padding(text: &str) -> Result<Padding, String> {
+    if text == "auto" { Ok(Padding::Highest) } else { positive(text).map(Padding::Constant) }
 }
 
 pub(crate) fn scale(text: &str) -> Result<CurvatureScale, String> {

@@ -90,6 +90,7 @@ fn json_is_the_contract() {
             "level",
             "epsilon",
             "clip",
+            "padding",
         ],
     ));
     expected.extend(group("grid", &["dimensions", "spacing_mm"]));
@@ -429,6 +430,14 @@ fn a_field_is_measured_as_it_is() {
     assert!(record["label"].is_null() && record["parameters"]["sigma_mm"].is_null());
     let area = record["surface_area_mm2"].as_f64().unwrap();
     assert!((area / (4.0 * std::f64::consts::PI * (81.0 + 0.2)) - 1.0).abs() < 2e-3, "{area}");
+    assert!(record["parameters"]["padding"].is_null());
+    let padded = json(&["measure", path, "--embedding", "given", "--padding", "5"])["results"][0].clone();
+    assert!(
+        padded["parameters"]["padding"] == 5.0 && padded["surface_area_mm2"] == record["surface_area_mm2"]
+    );
+    let of_a_mask = run(&["measure", "phantom:ball?radius=4", "--padding", "auto"]);
+    assert_eq!(of_a_mask.status.code(), Some(2));
+    assert!(text(&of_a_mask.stderr).contains("padding closes a field that is given"));
     let as_labels = run(&["measure", path]);
     assert_eq!(as_labels.status.code(), Some(1));
     assert!(text(&as_labels.stderr).contains("--embedding given"), "{}", text(&as_labels.stderr));

@@ -5,8 +5,9 @@ mod common;
 use common::codes;
 use std::f64::consts::PI;
 use surfometry::Measurement;
+use surfometry::accuracy::FlagCode;
 use surfometry::integrals::{QuadratureRule, Smearing};
-use surfometry::measurement::DescribedSurface;
+use surfometry::measurement::{DescribedSurface, MeasureError, Measured, Padding};
 use surfometry::phantoms::{Phantom, Pose, Torus};
 use surfometry::volume::{FieldImage, FieldValues, Grid};
 
@@ -121,4 +122,123 @@ fn simpson_over_a_field() {
         .unwrap();
     let area = 4.0 * PI * (144.0 + 0.0327 * 36.0);
     assert!(relative(r.surface_area_mm2, area).abs() < 0.01, "{:?} {area}", r.surface_area_mm2);
+}
+
+/// A ball's distance, and the blur's profile of it, up to a plane that cuts the ball below its middle.
+fn cut_ball(of_distance: impl Fn(f64) -> f64, h: [f64; 3], axis: usize) -> (FieldImage, [f64; 4]) {
+    let (radius, height) = (15.0, 6.6);
+    let dimensions: [usize; 3] = std::array::from_fn(|a| (42.0 / h[a]) as usize);
+    // The cut lies on the outer face of the last voxel.
+    let at = |a: usize| if a == axis { (dimensions[a] as f64 - 0.5) * h[a] - height } else { 20.3 };
+    let centre: [f64; 3] = std::array::from_fn(at);
+    let grid = Grid::axis_aligned(dimensions, h).unwrap();
+    let distance = |p: [f64; 3]| (0..3).map(|a| (p[a] - centre[a]).powi(2)).sum::<f64>().sqrt() - radius;
+    let field = sampled(grid, true, |p| of_distance(distance(p)));
+    let rim_square = radius * radius - height * height;
+    let zone = 2.0 * PI * radius * (radius + height);
+    let volume = PI * (2.0 / 3.0 * radius.powi(3) + radius * radius * height - height.powi(3) / 3.0);
+    // An edge that turns by an angle has half of it a length.
+    let rim = 2.0 * PI * rim_square.sqrt() * 0.5 * (height / radius).acos();
+    (field, [volume, zone + PI * rim_square, zone / radius + rim, 2.0])
+}
+
+fn offs(r: &Measured, [volume, area, mean_curvature, chi]: [f64; 4]) -> [f64; 4] {
+    [
+        relative(r.volume_mm3, volume),
+        relative(r.surface_area_mm2, area),
+        relative(r.total_mean_curvature_mm, mean_curvature),
+        r.euler_characteristic.unwrap() - chi,
+    ]
+}
+
+/// With padding a ball that the edge cuts is the closed spherical segment, on any axis, of a distance and of a
+/// blur's profile in other units, whatever the constant.
+#[test]
+fn padding_closes_what_the_edge_cuts() {
+    let blur = |d: f64| 7.0 * libm::erf(d / (2.0 * std::f64::consts::SQRT_2));
+    for (axis, h) in [(0, [1.0; 3]), (1, [0.8, 1.0, 0.9]), (2, [0.9, 0.7, 1.1])] {
+        let fields = [cut_ball(|d| d, h, axis), cut_ball(blur, h, axis)];
+        for ((field, exact), constant) in fields.into_iter().zip([30.0, 7.0]) {
+            let m = Measurement::default().thickness_mm(2.75);
+            for padding in [Padding::Highest, Padding::Constant(constant)] {
+                let r = m.padding(padding).run_field(&field).unwrap();
+                let [volume, area, mean_curvature, chi] = offs(&r, exact);
+                println!("axis {axis}: {volume:.4} {area:.4} {mean_curvature:.4} {chi:.3}");
+                assert!(
+                    volume.abs() < 0.005 && area.abs() < 0.005 && mean_curvature.abs() < 0.005,
+                    "{volume} {area} {mean_curvature}"
+                );
+                assert!(chi.abs() < 0.04, "{chi}");
+                assert_eq!(r.topology.euler_characteristic_mesh, Some(2));
+                assert!(r.mesh.volume_mm3.is_some());
+                let codes = codes(&r);
+                assert!(
+                    codes.contains(&"touches-border".to_owned())
+                        && !codes.contains(&"surface-leaves-field".to_owned()),
+                    "{codes:?}"
+                );
+            }
+            // The open surface misses the cap, a tenth of a ball's area here.
+            let [_, area, _, chi] = offs(&m.run_field(&field).unwrap(), exact);
+            assert!(area < -0.1 && chi < -0.5, "{area} {chi}");
+        }
+    }
+}
+
+/// What lies inside its image is the same with padding and without, to what the shifted stencils differ by.
+#[test]
+fn padding_changes_nothing_of_what_is_not_cut() {
+    let grid = Grid::axis_aligned([40; 3], [1.0; 3]).unwrap();
+    let distance = |p: [f64; 3]| (p.iter().map(|v| (v - 19.3).powi(2)).sum::<f64>()).sqrt() - 14.0;
+    let field = sampled(grid, true, distance);
+    let m = Measurement::default();
+    let [plain, padded] = [m, m.padding(Padding::Highest)].map(|m| m.run_field(&field).unwrap());
+    assert_eq!(plain.values, padded.values);
+    assert_eq!(padded.parameters.padding, Some(field_highest(&field)));
+}
+
+fn field_highest(field: &FieldImage) -> f64 {
+    let values = (0..field.grid().voxel_count()).map(|offset| field.values().get(offset));
+    values.fold(f64::NEG_INFINITY, f64::max)
+}
+
+/// Words are about the field: it was not blurred by this program.
+#[test]
+fn flags_of_a_field_blame_no_blur() {
+    let (field, _) = cut_ball(|d| d, [1.0; 3], 2);
+    for m in [Measurement::default(), Measurement::default().padding(Padding::Highest)] {
+        for flag in m.run_field(&field).unwrap().flags.iter().filter(|f| f.code != FlagCode::NotComputed) {
+            assert!(!flag.message.contains("blur"), "{}", flag.message);
+        }
+    }
+}
+
+/// A constant inside the band, and padding of what has background already.
+#[test]
+fn padding_that_makes_no_sense_is_refused() {
+    let (field, _) = cut_ball(|d| d, [1.0; 3], 2);
+    let m = Measurement::default().epsilon(1.5);
+    for (value, words) in
+        [(1.0, "above epsilon"), (-3.0, "positive and finite"), (f64::NAN, "positive and finite")]
+    {
+        let error = m.padding(Padding::Constant(value)).run_field(&field).unwrap_err().to_string();
+        assert!(error.contains("padding") && error.contains(words), "{error}");
+    }
+    let mask = surfometry::volume::Mask::from_predicate(*field.grid(), |[x, _, _]| x > 20);
+    let refused = Measurement::default().padding(Padding::Highest).run(mask);
+    assert!(matches!(refused, Err(MeasureError::Conflict(_))));
+}
+
+/// The paper's padding with a constant alone: the band jumps over the cap, whose area is missing.
+#[test]
+fn a_constant_alone_leaves_the_cap_out() {
+    let (field, exact) = cut_ball(|d| 7.0 * libm::erf(d / 2.8), [1.0; 3], 2);
+    let [nx, ny, nz] = field.grid().dimensions();
+    let grid = Grid::new([nx, ny, nz + 6], *field.grid().affine()).unwrap();
+    let inner = |offset: usize| if offset < nx * ny * nz { field.values().get(offset) } else { 7.0 };
+    let padded =
+        FieldImage::new(grid, FieldValues::F64((0..grid.voxel_count()).map(inner).collect())).unwrap();
+    let [_, area, _, chi] =
+        offs(&Measurement::default().thickness_mm(2.5).run_field(&padded).unwrap(), exact);
+    assert!((-0.21..-0.17).contains(&area) && chi < -0.15, "{area} {chi}");
 }

@@ -49,8 +49,8 @@ pub(crate) fn validation_table(summaries: &[Summary]) -> String {
         ]);
     }
     layout.text()
-        + "\nR: 1 / rms of the larger principal curvature, in units of the largest spacing; ratio: largest over smallest spacing; * constants were not tuned on \
-           such shapes.\nV, A, M: the largest error over the poses, in % of the exact value, of the blurred and of the original object; \
+        + "\nR: 1 / rms of the larger principal curvature, in units of the largest spacing; ratio: largest over smallest spacing; * the scale of local \
+           curvature and its bars were not tuned on such shapes; the constants of the integrals' errors were set on poses 0 to 7 of all.\nV, A, M: the largest error over the poses, in % of the exact value, of the blurred and of the original object; \
            95 %: share of the original object's values within 1.96 standard errors.\nchi: the largest error of Gauss-Bonnet; ! where the mesh's differs. local H, K: rms error at \
            the vertices in % of 1/R and 1/R^2; place: rms distance from the exact surface in voxels; 95 % H K: share of the surface within the error bars.\n"
 }

@@ -1,6 +1,7 @@
 //! From an object to a field phi whose zero level set is its surface, negative inside.
 
 mod blur;
+mod closed_field;
 mod corrected_mask;
 mod distance;
 mod edge_profile;
@@ -14,6 +15,7 @@ mod probability;
 mod recovering;
 mod separable;
 
+pub use closed_field::ClosedField;
 pub use corrected_mask::CorrectedMask;
 pub use distance::DistanceEmbedding;
 pub use edge_profile::EdgeProfile;

@@ -62,8 +62,7 @@ impl Setup {
         let clip = open.map(|open| open.part.summary(cell_volume, &open.boundary));
         let evidence = Evidence {
             spacing: self.grid.spacing(),
-            distance: self.parameters.embedding.is_distance(),
-            corrected: self.parameters.embedding.is_corrected(),
+            embedding: self.parameters.embedding,
             recovering: totals.recovered.is_some(),
             sigma: self.parameters.sigma_mm,
             thickness: self.parameters.thickness_mm,
@@ -258,16 +257,34 @@ impl Setup {
     ) -> Vec<Flag> {
         let mut flags = Vec::new();
         let touches_border = cuts.as_flattened().iter().any(|&cut| cut > 0.0);
-        let given = self.parameters.embedding == EmbeddingKind::Given;
-        if touches_border && given {
-            flags.push(Flag::new(FlagCode::SurfaceLeavesField, "the inside reaches the edge of the field, where its surface is left open: area and curvature miss that part and chi has no boundary term"));
+        let embedding = self.parameters.embedding;
+        let ends = embedding == EmbeddingKind::Given && self.parameters.padding.is_none();
+        if touches_border && ends {
+            flags.push(Flag::new(FlagCode::SurfaceLeavesField, "the inside reaches the edge of the field, where its surface is left open: area and curvature miss that part and chi has no boundary term; with padding the field is closed there"));
         } else if touches_border {
             flags.push(touching(cuts, area, clip));
         }
         if self.parameters.compensable_sigma().is_none() {
-            flags.push(Flag::new(FlagCode::CompensationUndefined, "compensation is defined for the Gaussian and the corrected embedding at level 0.5 only, so the numbers are those of the blurred surface"));
+            flags.push(Flag::new(FlagCode::CompensationUndefined, without_compensation(embedding)));
         }
         flags
+    }
+}
+
+/// What the numbers are where nothing is compensated.
+fn without_compensation(embedding: EmbeddingKind) -> &'static str {
+    match embedding {
+        EmbeddingKind::Given => {
+            "what made a field that is given, and whether that moved its surface, is not known, so nothing is compensated: the numbers \
+             are those of the field's zero level"
+        }
+        kind if kind.is_distance() => {
+            "compensation takes a blur off, and a distance has none: the numbers are those of its zero level"
+        }
+        _ => {
+            "compensation is defined for the Gaussian and the corrected embedding at level 0.5 only, so the numbers are those of the \
+             blurred surface"
+        }
     }
 }
 

@@ -32,7 +32,7 @@ pub(crate) use explanation::Looked;
 pub use explanation::{ChangeStage, LocatedChange, TopologyExplanation, UNEXPLAINED, WeakestGradient};
 pub use local_curvature::CurvatureScale;
 pub use object::Object;
-pub use parameters::{Derivatives, EmbeddingKind, MeasureError, Parameters};
+pub use parameters::{Derivatives, EmbeddingKind, MeasureError, Padding, Parameters};
 pub use recovery::RecoverySummary;
 pub use result::{
     BlurredValues, DescribedSurface, GridSummary, Measured, MeshSummary, StageSeconds, SurfaceValues,
@@ -69,6 +69,8 @@ pub struct Measurement {
     pub(crate) epsilon: Option<f64>,
     pub(crate) level: Option<f64>,
     pub(crate) clip: Clip,
+    #[serde(default)]
+    pub(crate) padding: Option<Padding>,
     /// Whether it is the paper's, whose numbers are those of the blurred surface.
     pub(crate) paper: bool,
     truncation: Option<f64>,
@@ -90,6 +92,7 @@ impl Default for Measurement {
             epsilon: None,
             level: None,
             clip: Clip::Cap,
+            padding: None,
             paper: false,
             truncation: None,
             radius_of_scales: None,
@@ -137,6 +140,13 @@ impl Measurement {
     #[must_use]
     pub fn clip(self, clip: Clip) -> Self {
         Self { clip, ..self }
+    }
+
+    /// What lies beyond the edge of a given field, which closes what the edge cuts; `None`, the default, leaves
+    /// its surface open there.
+    #[must_use]
+    pub fn padding(self, padding: impl Into<Option<Padding>>) -> Self {
+        Self { padding: padding.into(), ..self }
     }
 
     /// How an object becomes a field.

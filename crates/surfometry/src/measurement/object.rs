@@ -121,12 +121,21 @@ impl Measurement {
         if parameters.epsilon >= highest {
             return Err(MeasureError::BandAboveField { epsilon: parameters.epsilon, highest });
         }
+        parameters.padding = self.padding.map(|padding| padding.of(highest));
+        if let Some(value) = parameters.padding.filter(|padding| *padding <= parameters.epsilon) {
+            let range = "above epsilon, the half-width of the band in units of the field";
+            return Err(MeasureError::OutOfRange { name: "padding", value, range });
+        }
+        let quadrature = match parameters.padding {
+            None => Quadrature::bounded(measurement.quadrature, grid.dimensions()),
+            Some(_) => Quadrature::unbounded(measurement.quadrature),
+        };
         let delta = SmearedDelta::new(measurement.delta, parameters.epsilon, f64::INFINITY);
         let setup = Setup {
             measurement,
             parameters,
             band: Band::new(delta, parameters.thickness_mm),
-            quadrature: Quadrature::bounded(measurement.quadrature, grid.dimensions()),
+            quadrature,
             grid: *grid,
             weights: None,
             errors: None,
@@ -177,9 +186,7 @@ impl Object {
             Content::Mask(mask) => Some(Scheme::of_part(&self.setup, mask)),
             Content::Corrected(mask, _) => Scheme::of_blur(&self.setup, &**mask),
             Content::Probability(image) => Scheme::of_blur(&self.setup, &**image),
-            Content::Field(field) => {
-                Some(Scheme::Given(FiniteDifferences::new(field, self.grid().spacing().mm())))
-            }
+            Content::Field(field) => Some(Scheme::of_field(&self.setup, field)),
         }
     }
 
@@ -191,7 +198,9 @@ impl Object {
     /// Where there is a field: everywhere, unless it is given and ends with its image.
     pub fn available(&self, region: &IndexBox) -> IndexBox {
         match self.setup.parameters.embedding {
-            EmbeddingKind::Given => region.intersection(&self.grid().index_box()),
+            EmbeddingKind::Given if self.setup.parameters.padding.is_none() => {
+                region.intersection(&self.grid().index_box())
+            }
             _ => *region,
         }
     }

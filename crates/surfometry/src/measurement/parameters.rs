@@ -75,6 +75,24 @@ impl EmbeddingKind {
     }
 }
 
+/// What lies beyond the edge of a field that is given, so that what the edge cuts is closed.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub enum Padding {
+    /// The field's own largest value: the background of a blur, 0.5 at level 0.5, or a positive distance.
+    Highest,
+    /// A positive number, in units of the field.
+    Constant(f64),
+}
+
+impl Padding {
+    pub(super) fn of(self, highest: f64) -> f64 {
+        match self {
+            Self::Highest => highest,
+            Self::Constant(value) => value,
+        }
+    }
+}
+
 /// How the field is differentiated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Derivatives {
@@ -210,6 +228,8 @@ pub struct Parameters {
     pub epsilon: f64,
     /// What was done where the edge of the image cuts an object.
     pub clip: Clip,
+    /// What lies beyond the edge of a given field, in its units; `None` where it ends there, and without one.
+    pub padding: Option<f64>,
 }
 
 impl Measurement {
@@ -252,6 +272,7 @@ impl Parameters {
             level: Some(level),
             epsilon,
             clip: m.clip,
+            padding: None,
         })
     }
 
@@ -269,6 +290,7 @@ impl Parameters {
             level: None,
             epsilon: thickness / 2.0,
             clip: m.clip,
+            padding: None,
         }
     }
 
@@ -323,8 +345,16 @@ impl Measurement {
     /// # Errors
     /// [`MeasureError`].
     pub fn check(&self) -> Result<(), MeasureError> {
-        for (name, value) in [("sigma", self.sigma), ("thickness", self.thickness), ("epsilon", self.epsilon)]
-        {
+        let padding = match self.padding {
+            Some(Padding::Constant(value)) => Some(value),
+            _ => None,
+        };
+        for (name, value) in [
+            ("sigma", self.sigma),
+            ("thickness", self.thickness),
+            ("epsilon", self.epsilon),
+            ("padding", padding),
+        ] {
             if let Some(value) = value.filter(|v| !(v.is_finite() && *v > 0.0)) {
                 return Err(MeasureError::OutOfRange { name, value, range: "positive and finite" });
             }
@@ -341,6 +371,9 @@ impl Measurement {
             _ if self.thickness.is_some() && self.epsilon.is_some() => {
                 conflict("thickness and epsilon say the same thing: give one of them")
             }
+            kind if kind != EmbeddingKind::Given && self.padding.is_some() => conflict(
+                "padding closes a field that is given; masks and soft segmentations have background beyond their edge: leave it out",
+            ),
             EmbeddingKind::Recovering if self.clip == Clip::Exclude => conflict(
                 "the recovering embedding corrects voxels within the image alone: leave the cuts closed, or use the corrected embedding",
             ),

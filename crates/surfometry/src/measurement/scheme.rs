@@ -5,7 +5,7 @@ use super::pass::{ObjectSums, Pass};
 use super::setup::Setup;
 use super::{Derivatives, EmbeddingKind, MeasureError, Parameters};
 use crate::Control;
-use crate::embedding::{DistanceEmbedding, Embedding, GaussianEmbedding, Indicator};
+use crate::embedding::{ClosedField, DistanceEmbedding, Embedding, GaussianEmbedding, Indicator};
 use crate::integrals::Band;
 use crate::local_geometry::{
     BandVoxel, Differentiation, FiniteDifferences, GaussianDerivatives, Jet, MatchedDifferences,
@@ -26,6 +26,7 @@ pub(super) enum Scheme<'a> {
     GaussianDifferences(FiniteDifferences<GaussianEmbedding<'a>>),
     Distance(FiniteDifferences<DistanceEmbedding<'a>>),
     Given(FiniteDifferences<&'a FieldImage>),
+    Closed(FiniteDifferences<ClosedField<'a>>),
 }
 
 /// Does the same with whichever it is.
@@ -37,6 +38,7 @@ macro_rules! with_scheme {
             Scheme::GaussianDifferences($s) => $body,
             Scheme::Distance($s) => $body,
             Scheme::Given($s) => $body,
+            Scheme::Closed($s) => $body,
         }
     };
 }
@@ -95,6 +97,18 @@ impl<'a> Scheme<'a> {
                 Self::GaussianDifferences(FiniteDifferences::new(embedding, setup.grid.spacing().mm()))
             }
         })
+    }
+
+    /// Of a field that was given; closed where its image cuts it, where there is something beyond its edge.
+    pub(super) fn of_field(setup: &Setup, field: &'a FieldImage) -> Self {
+        let (parameters, spacing) = (&setup.parameters, setup.grid.spacing().mm());
+        match parameters.padding {
+            None => Self::Given(FiniteDifferences::new(field, spacing)),
+            Some(background) => {
+                let slope = 2.0 * parameters.epsilon / parameters.thickness_mm;
+                Self::Closed(FiniteDifferences::new(ClosedField::new(field, background, slope), spacing))
+            }
+        }
     }
 
     /// Voxels around a box, on each side of each axis, in which an object must be known for what is summed

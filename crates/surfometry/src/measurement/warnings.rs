@@ -1,5 +1,6 @@
 //! Which warnings follow from the numbers.
 
+use super::EmbeddingKind;
 use crate::accuracy::{Flag, FlagCode, place_text, thick_slices};
 use crate::integrals::Integrals;
 use crate::surface::SurfaceSummary;
@@ -19,10 +20,8 @@ pub(super) struct NarrowPlace {
 pub(super) struct Evidence {
     /// Voxel spacing.
     pub(super) spacing: Spacing,
-    /// Whether the embedding is the distance.
-    pub(super) distance: bool,
-    /// Whether it is the corrected blur.
-    pub(super) corrected: bool,
+    /// How the object became a field.
+    pub(super) embedding: EmbeddingKind,
     /// Whether the voxels are corrected, so that thin parts are there.
     pub(super) recovering: bool,
     /// Blur in mm, for the Gaussian embedding.
@@ -130,8 +129,13 @@ fn band_flags(e: &Evidence) -> Vec<Flag> {
         return vec![Flag::new(FlagCode::SurfaceVanished, message)];
     }
     let Some(plain) = e.with_surface() else {
-        let message = "no voxel with a normal lies in the band, so the surface integrals are null: band or blur are too thin \
-                       for this grid; use a larger sigma, and an automatic thickness";
+        let message = if e.sigma.is_some() {
+            "no voxel with a normal lies in the band, so the surface integrals are null: band or blur are too thin for this grid; use a \
+             larger sigma, and an automatic thickness"
+        } else {
+            "no voxel with a normal lies in the band, so the surface integrals are null: the band is too thin for this grid, or the field \
+             jumps over it; use an automatic thickness, and a field that is smooth at its zero level"
+        };
         return vec![Flag::new(FlagCode::EmptyBand, message)];
     };
     let mut flags = Vec::new();
@@ -150,7 +154,7 @@ fn band_flags(e: &Evidence) -> Vec<Flag> {
         flags.push(Flag::new(FlagCode::ThicknessAboveObject, message));
     }
     flags.extend(mesh_flag(e, &plain));
-    if e.corrected && e.sigma.is_some_and(|sigma| e.thickness > CORRECTED_THICKNESS * sigma) {
+    if e.embedding.is_corrected() && e.sigma.is_some_and(|sigma| e.thickness > CORRECTED_THICKNESS * sigma) {
         let message = format!(
             "the band is {:.4} mm thick, more than 1.6 sigma, where the corrected field is no longer steep: its integrals are biased; use \
              the Gaussian embedding, whose numbers have no such limit, or a larger sigma",
@@ -204,7 +208,7 @@ fn topology_flags(e: &Evidence) -> Vec<Flag> {
     }
     let voxels = e.voxel_euler;
     let mesh = e.mesh.map_or_else(String::new, |m| format!(" and the mesh's {}", m.euler_characteristic()));
-    if e.distance {
+    if e.embedding.is_distance() {
         let message = format!(
             "distances between voxels are quantised, so curvature from them is noise and the Euler characteristic \
              {chi:.1} meaningless (the voxels' is {voxels}{mesh}); use the Gaussian embedding"
@@ -225,10 +229,17 @@ fn topology_flags(e: &Evidence) -> Vec<Flag> {
     }
     let of_mesh = e.mesh.map(|mesh| mesh.euler_characteristic());
     if let Some(of_mesh) = of_mesh.filter(|of_mesh| *of_mesh != voxels) {
-        let message = format!(
-            "the Euler characteristic of the blurred surface is {of_mesh}, the voxels' {voxels}: the blur closed or opened handles, cavities or \
-             bridges"
-        );
+        let message = if e.embedding == EmbeddingKind::Given {
+            format!(
+                "the Euler characteristic of the field's zero level is {of_mesh}, that of the voxels inside it {voxels}: between voxels the \
+                 field joins or parts what their corners and edges do not"
+            )
+        } else {
+            format!(
+                "the Euler characteristic of the blurred surface is {of_mesh}, the voxels' {voxels}: the blur closed or opened handles, \
+                 cavities or bridges"
+            )
+        };
         flags.push(Flag::new(FlagCode::EulerDiffersFromVoxels, message));
     } else if near && even != voxels as f64 && !e.recovering {
         let message = format!(

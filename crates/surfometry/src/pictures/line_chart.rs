@@ -51,6 +51,8 @@ pub struct LineChart<'a> {
     pub along: &'a str,
     /// Its values, ascending or descending.
     pub values: &'a [f64],
+    /// Values of it that a dashed line marks.
+    pub marks: &'a [f64],
     /// Whether equal ratios are equally far apart.
     pub log: bool,
     /// The panels.
@@ -123,6 +125,10 @@ impl LineChart<'_> {
             return canvas.centered_text(middle, LABEL, FAINT, Anchor::Middle, "no data");
         };
         axes.draw(canvas, self.along);
+        for &mark in self.marks {
+            let x = axes.x(mark);
+            canvas.polyline(&[[x, bottom], [x, bottom - PLOT[1]]], FAINT, 1.2, "5 4");
+        }
         for line in &panel.lines {
             self.band(canvas, &axes, line);
         }

@@ -81,6 +81,7 @@ fn plateau(object: &Object) -> Option<String> {
     let chart = LineChart {
         along: "sigma (mm)",
         values: &values,
+        marks: &[],
         log: true,
         panels: &sweep_panels(&measured.iter().collect::<Vec<_>>()),
         title: "",

@@ -56,6 +56,7 @@ pub(super) const RECORD: [Group; 22] = [
             "level",
             "epsilon",
             "clip",
+            "padding",
         ],
     ),
     ("grid_dimensions", AXES),

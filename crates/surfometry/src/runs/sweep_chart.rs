@@ -49,11 +49,13 @@ pub(super) fn write_sweep_chart(
     let drawn = LineChart {
         along: over.axis(),
         values: &values,
+        marks: &[],
         log: chart.log,
         panels: &panels,
         title: &format!("{}{label}", input_title(&first.input)),
         caption: &format!(
-            "{what} Where a line stays level the choice does not matter; where it drifts or jumps, parts are lost or the grid shows."
+            "{what} Where a line stays level the choice does not matter, but what every blur of the range took away (see the flags) is missing all along it; \
+             where it drifts or jumps, parts are lost or the grid shows."
         ),
     };
     write_figure(&drawn.figure(), path, MapStyle::default().dpi_scale)
