@@ -16,6 +16,7 @@ from typing import Callable
 import nibabel
 import numpy as np
 
+from sharp_bodies import Cone, Cuboid, Cylinder, Sharp
 from shapes import (
     Ball,
     Cup,
@@ -139,11 +140,24 @@ def held_out_organ(_, number):
     return smoothed_label(ORGANS, label, 3.6, 6.0 if label == LARGE_ORGAN else 4.0)
 
 
+def cuboid(rng, _):
+    return Cuboid(rng.uniform(8, 32, 3))
+
+
+def cylinder(rng, _):
+    return Cylinder(rng.uniform(4, 15), rng.uniform(4, 30))
+
+
+def cone(rng, _):
+    return Cone(rng.uniform(6, 18), rng.uniform(8, 30))
+
+
 @dataclass(frozen=True)
 class Kind:
     """What is made of it: so many shapes, clean in so many poses, the first few with every noise too.
 
-    `step` is that of the coarser mesh of its truth. Errors were fitted without those held out.
+    `step` is that of the coarser mesh of its truth. Poses are turned by `tilt` degrees at most, if any way
+    where it is None. Errors were fitted without those held out.
     """
 
     make: Callable
@@ -153,6 +167,7 @@ class Kind:
     noisy: int = 0
     source: Path | None = None
     held_out: bool = False
+    tilt: float | None = None
 
 
 KINDS = {
@@ -168,6 +183,10 @@ KINDS = {
     "tube3": Kind(tube((2.3, 4), (15, 50)), 8, 4, 0.5),
     "vertfine": Kind(fine_vertebra, 5, 3, 0.5, source=VERTEBRAE),
     "branch": Kind(branches, 6, 4, 0.5),
+    "cuboid": Kind(cuboid, 12, 2, 0.0),
+    "near": Kind(cuboid, 12, 2, 0.0, tilt=14),
+    "cyl": Kind(cylinder, 10, 2, 0.0),
+    "cone": Kind(cone, 10, 2, 0.0),
     "plate": Kind(plate, 8, 3, 0.25, held_out=True),
     "torus": Kind(torus, 7, 3, 0.5, held_out=True),
     "cup": Kind(cup, 7, 3, 0.5, held_out=True),
@@ -189,7 +208,7 @@ def write(folder, name, number):
     rng = np.random.default_rng([999, *seed] if kind.held_out else seed)
     shape = kind.make(rng, number)
     stem = f"{name}_{number:02d}"
-    masks = [posed(shape, rng) for _ in range(kind.poses)]
+    masks = [posed(shape, rng, tilt=kind.tilt) for _ in range(kind.poses)]
     for pose, mask in enumerate(masks):
         save(mask, folder / f"{stem}_{pose}.nii.gz")
     if number < kind.noisy:
@@ -198,7 +217,7 @@ def write(folder, name, number):
             save(flipped(masks[0], share, rng), folder / f"{stem}_{noise}.nii.gz")
         for noise, most in SHIFTED.items():
             save(posed(shape, rng, most), folder / f"{stem}_{noise}.nii.gz")
-    return stem, asdict(truth(shape, kind.step))
+    return stem, asdict(shape.exact() if isinstance(shape, Sharp) else truth(shape, kind.step))
 
 
 def main():

@@ -313,9 +313,20 @@ def truth(shape, step):
     return Truth(*map(float, best), int(chi), tuple(map(float, unsure[:2])))
 
 
-def posed(shape, rng, jitter=0.0):
-    """The mask in a random pose; with `jitter`, its slices shifted in plane by up to that many voxels."""
-    rotation = Rotation.random(random_state=int(rng.integers(1 << 31))).as_matrix()
+def turned(rng, tilt):
+    """A rotation, about any axis by up to `tilt` degrees."""
+    axis = rng.standard_normal(3)
+    angle = np.radians(rng.uniform(0, tilt))
+    return Rotation.from_rotvec(angle * axis / np.linalg.norm(axis)).as_matrix()
+
+
+def posed(shape, rng, jitter=0.0, tilt=None):
+    """The mask in a random pose, turned by up to `tilt` degrees or, if None, any way; with `jitter`, its
+    slices shifted in plane by up to that many voxels."""
+    if tilt is None:
+        rotation = Rotation.random(random_state=int(rng.integers(1 << 31))).as_matrix()
+    else:
+        rotation = turned(rng, tilt)
     corners = np.stack(np.meshgrid(*zip(*shape.box), indexing="ij"), -1).reshape(-1, 3) @ rotation.T
     margin = 7 if jitter else 6
     low, high = np.floor(corners.min(0)) - margin, np.ceil(corners.max(0)) + margin

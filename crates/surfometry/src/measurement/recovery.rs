@@ -132,8 +132,8 @@ const OF_EDGES: [f64; 2] = [0.03, 0.04];
 const CREASE: f64 = 1.5;
 /// Share of creased area that may be missing on a body that is not sharp elsewhere, as at edges of curved faces.
 const OF_CREASES: f64 = 0.33;
-/// What is given back of the area that [`Creases`] may have lost, and how much of it may be wrong: a rounded edge of a mask
-/// may be one of the object.
+/// What is given back of the area that plain edges may have lost, and by how much of what all edges may have lost A may be
+/// wrong: a rounded edge of a mask may be one of the object.
 const GIVEN_BACK: f64 = 0.25;
 const OF_LOST: f64 = 0.55;
 /// Share of the integral of |H| over hollow creases that M may be wrong by: the feet of rods, the bottoms of holes.
@@ -191,7 +191,7 @@ impl Recovered {
         let area = mesh.area
             + of_area * (1.0 - TOO_FAR * lost).max(0.0)
             + EDGES_LOST[0] * lost * edges
-            + GIVEN_BACK * mesh.creases.lost_area;
+            + GIVEN_BACK * mesh.creases.plain_area;
         let mean = mesh.total_mean_curvature + of_mean + EDGES_LOST[1] * lost * sharp_curvature;
         let of_pose = self.errors_of_pose(&mesh, [of_area, of_mean], left_of_terraces(spacing, sigma));
         let of_edges = mesh.errors_of_edges();
