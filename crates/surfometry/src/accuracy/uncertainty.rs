@@ -105,30 +105,40 @@ impl ErrorModel {
         Terraces::new(self.spacing, self.lattice, profile, delta)
     }
 
-    /// Spread over sub-voxel shifts and rotations of what a smooth, curved object's voxels give.
+    /// Standard deviation, over sub-voxel shifts, of the volume of the voxels of a body with a smooth curved surface, mm^3.
     ///
-    /// The volume of the voxels has, over shifts, the variance of a sum of the indicator's Fourier
-    /// coefficients over the reciprocal lattice, and those of a body with a smooth curved surface fall as A /
-    /// (8 pi^3 xi^4) on the mean over directions (Kendall 1948 for balls): on cubic voxels V has the standard
-    /// deviation 0.258 h^2 sqrt(A). A blur moves the surface, and with it this noise. The place of a flat
-    /// face along the grid is known to h / sqrt 12 alone, as a whole.
+    /// It is that of a sum of the indicator's Fourier coefficients over the reciprocal lattice, which fall as A / (8 pi^3
+    /// xi^4) on the mean over directions (Kendall 1948 for balls): 0.258 h^2 sqrt(A) on cubic voxels.
+    pub(crate) fn volume_of_curved(&self, area: f64) -> f64 {
+        (area / (8.0 * PI.powi(3)) * self.lattice).sqrt()
+    }
+
+    /// Standard deviations of V, mm^3, and A, mm^2, by flat faces along the grid, of an area by axis: the place of one is
+    /// known to h / sqrt 12 alone, as a whole, and it moves its rims.
+    pub(crate) fn of_faces(&self, faces: [f64; 3]) -> [f64; 2] {
+        let variances = (0..3).map(|a| {
+            let (face, step) = (with_rim(faces[a], self.sigma), self.spacing.mm()[a] / libm::sqrt(12.0));
+            [(step * face).powi(2), step * step * 4.0 * PI * face]
+        });
+        variances.fold([0.0; 2], |sum, one| [sum[0] + one[0], sum[1] + one[1]]).map(f64::sqrt)
+    }
+
+    /// Spread over sub-voxel shifts and rotations of what a smooth, curved object's voxels give, and of what
+    /// faces along the grid do. A blur moves the surface, and with it this noise.
     pub fn grid_noise(&self, integrals: &Integrals) -> IntegralErrors {
         let surface = &integrals.surface;
         let curvature = rms_curvature(surface);
         let faces = integrals.faces.map(|area| with_rim(area, self.sigma));
-        let curved = surface.area / (8.0 * PI.powi(3)) * self.lattice;
-        let steps: [f64; 3] = std::array::from_fn(|a| self.spacing.mm()[a] / libm::sqrt(12.0));
-        let flat: f64 = (0..3).map(|a| (steps[a] * faces[a]).powi(2)).sum();
-        let volume = (curved + flat).sqrt();
-        // What a face does to its rims.
-        let rims: f64 = (0..3).map(|a| steps[a] * steps[a] * 4.0 * PI * faces[a]).sum();
+        let curved = self.volume_of_curved(surface.area);
+        let [flat, rims] = self.of_faces(integrals.faces);
+        let volume = libm::hypot(curved, flat);
         let excess: f64 = (0..3).map(|a| (self.face_excess[a] * faces[a]).powi(2)).sum();
         let balls = (surface.area * curvature.powi(2) / (4.0 * PI)).max(1.0);
         let ratio = (self.spacing.largest() / self.sigma).powi(2);
         let [rough_area, rough_mean] = left_of_terraces(self.spacing, self.sigma);
         let least_mean = LEAST_MEAN * surface.area * curvature;
         let area = libm::hypot(
-            libm::hypot(AREA_NOISE * 2.0 * curvature * curved.sqrt(), (rims + excess).sqrt()),
+            libm::hypot(AREA_NOISE * 2.0 * curvature * curved, libm::hypot(rims, excess.sqrt())),
             rough_area * surface.area,
         );
         let mean = libm::hypot(

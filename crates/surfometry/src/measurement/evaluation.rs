@@ -3,7 +3,7 @@
 use super::EmbeddingKind;
 use super::clip::{BoundaryTerms, ClipSummary, MeasuredPart};
 use super::pass::ObjectSums;
-use super::recovery::Recovered;
+use super::recovery::{Recovered, SamplingNoise};
 use super::result::{
     BlurredValues, DescribedSurface, GridSummary, Measured, MeshSummary, NO_ERRORS, StageSeconds,
     SurfaceValues, TopologySummary,
@@ -160,23 +160,28 @@ impl Setup {
             let errors = model.compensated(&blurred).with(lost[0], lost[1], &blurred.surface);
             model.of_copies(copies, errors, &blurred)
         });
+        let faces = totals.recovered.map(|recovered| recovered.faces());
+        let noise = modelled.map(|(model, blurred)| {
+            let curved = model.volume_of_curved(blurred.surface.area) * copies.sqrt();
+            let [of_faces, faces_of_area] = model.of_faces(faces.unwrap_or(blurred.faces));
+            SamplingNoise { curved, of_faces, faces_of_area }
+        });
         let mut errors = compensated_errors.as_ref().map(SurfaceValues::of_errors).unwrap_or_default();
         let mut values = compensated(blurred, terms);
         if let Some([recovered, recovered_errors]) =
             totals.recovered.zip(counted).and_then(|(recovered, counted)| {
-                recovered.results(counted, self.grid.spacing(), self.parameters.sigma_mm?)
+                recovered.results(counted, self.grid.spacing(), self.parameters.sigma_mm?, noise?)
             })
         {
             (values, errors) = (recovered, recovered_errors);
         }
-        // Straight thin parts lie in the lattice as a whole.
-        let [thin, noise] = totals.recovered.map_or([1.0, 0.0], |recovered| {
+        // Straight thin parts lie in the lattice as a whole; of a blur, faces are seen as far as they are flat still.
+        let [thin, faces, flipped] = totals.recovered.map_or([1.0, copies.sqrt(), 0.0], |recovered| {
             let area = values.surface_area_mm2.unwrap_or_default();
-            [recovered.summary.thinness(), recovered.summary.noise_of_volume(area, self.grid.spacing())]
+            [recovered.summary.thinness(), 1.0, recovered.summary.noise_of_volume(area, self.grid.spacing())]
         });
-        let counted_error = modelled.map(|(model, blurred)| {
-            libm::hypot(model.grid_noise(&blurred).volume * copies.sqrt() * thin, noise)
-        });
+        let counted_error =
+            noise.map(|noise| libm::hypot(libm::hypot(noise.curved * thin, noise.of_faces * faces), flipped));
         let exact = euler.map(|_| 0.0);
         [
             SurfaceValues {

@@ -1,7 +1,7 @@
 //! An object at several scales, of which each vertex of its surface has its own.
 
 use super::object::Content;
-use super::recovery::Recovered;
+use super::recovery::RecoverySummary;
 use super::scheme::Scheme;
 use super::setup::Setup;
 use super::{EmbeddingKind, Measurement, Object};
@@ -56,7 +56,7 @@ impl Measurement {
         };
         let scales: Vec<AtScale> = scales.par_iter().filter_map(at).collect();
         let middle = &scales[scales.len() / 2];
-        let content = Content::Corrected(Arc::clone(&middle.voxels), Recovered::default());
+        let content = Content::Corrected(Arc::clone(&middle.voxels), RecoverySummary::default());
         Object { mask: Arc::clone(mask), setup, content, scales, part: None, preparation: start.elapsed() }
     }
 

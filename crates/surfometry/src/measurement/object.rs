@@ -4,7 +4,7 @@ use super::clip::MeasuredPart;
 use super::evaluation::{OpenPart, Totals};
 use super::local_scales::AtScale;
 use super::pass::{ObjectSums, Pass};
-use super::recovery::{Recovered, recovered};
+use super::recovery::{Recovered, RecoverySummary, recovered};
 use super::scheme::Scheme;
 use super::setup::Setup;
 use super::voxels::VoxelCounts;
@@ -51,7 +51,7 @@ pub(super) enum Content {
     /// Voxels: the object's, or those of the object continued beyond the edge of its image.
     Mask(Arc<Mask>),
     /// Voxels with corrections.
-    Corrected(Arc<CorrectedMask>, Recovered),
+    Corrected(Arc<CorrectedMask>, RecoverySummary),
     /// A soft segmentation.
     Probability(Arc<ProbabilityImage>),
     /// The field itself.
@@ -316,8 +316,8 @@ impl Object {
         let sums = self.sums(true);
         let integrated = self.preparation + sums.times.share_of_integrals(start.elapsed());
         let recovered = match &self.content {
-            Content::Corrected(_, recovered) => {
-                Some(recovered.with_surface(&self.bare_surface(), self.grid().spacing()))
+            Content::Corrected(_, summary) => {
+                Some(Recovered::new(*summary, &self.bare_surface(), self.grid()))
             }
             _ => None,
         };

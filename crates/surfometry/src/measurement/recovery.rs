@@ -5,7 +5,7 @@ use super::setup::Setup;
 use crate::accuracy::{Flag, FlagCode, SHARED, left_of_terraces, of_average};
 use crate::embedding::{CorrectedMask, Corrections, Price, Recovery};
 use crate::surface::{Creases, Surface, VertexGeometry};
-use crate::volume::{Mask, Spacing};
+use crate::volume::{Grid, Mask, Spacing};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 
@@ -33,10 +33,20 @@ pub struct RecoverySummary {
 }
 
 /// The same with the surface that came of it.
-#[derive(Debug, Clone, Copy, Default)]
+#[derive(Debug, Clone, Copy)]
 pub(super) struct Recovered {
     pub(super) summary: RecoverySummary,
     surface: Option<Mesh>,
+}
+
+/// What a shift of the grid does to an object as a whole, standard deviations.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct SamplingNoise {
+    /// Of V, by its curved surface, mm^3.
+    pub(super) curved: f64,
+    /// Of V, by flat faces along the grid, mm^3, and of A, mm^2.
+    pub(super) of_faces: f64,
+    pub(super) faces_of_area: f64,
 }
 
 /// What the mesh of phi = 0 has, mm.
@@ -58,14 +68,14 @@ struct Mesh {
 }
 
 /// The corrections of an object's mask.
-pub(super) fn recovered(setup: &Setup, mask: &Mask) -> (CorrectedMask, Recovered) {
+pub(super) fn recovered(setup: &Setup, mask: &Mask) -> (CorrectedMask, RecoverySummary) {
     let sigma = setup.parameters.sigma_mm.unwrap_or_default();
     let recovery =
         Recovery { sigma, truncation: setup.truncation(), price: Price::FromEvidence, margin: MARGIN };
     let found = recovery.corrections(mask);
     let summary = RecoverySummary::of(&found);
     let corrected = CorrectedMask::new(mask.clone(), found.amounts);
-    (corrected, Recovered { summary, ..Recovered::default() })
+    (corrected, summary)
 }
 
 impl RecoverySummary {
@@ -136,6 +146,20 @@ const OF_CREASES: f64 = 0.33;
 /// wrong: a rounded edge of a mask may be one of the object.
 const GIVEN_BACK: f64 = 0.25;
 const OF_LOST: f64 = 0.55;
+/// Share of rounded area that may be edges of small faces by which A may be short: on a large body, and what is added to it in
+/// units of the share that is sharp; M may be short of the integral of |H| by somewhat more, as at tips.
+const OF_SUSPECTED: [f64; 2] = [0.2, 0.4];
+const MEAN_SUSPECTED: f64 = 1.3;
+/// What is given back, and of it the error, where hollows or the grid tell such edges; where flat faces along the grid meet,
+/// which lie between voxels so that none tells of an edge; and of what acute edges may have lost.
+const TOLD: f64 = 0.25;
+const GRIDDED: [f64; 2] = [0.12, 0.12];
+const ACUTE: [f64; 2] = [0.2, 0.4];
+/// Share of the integral of |H| that M may be short of where edges that voxels speak for meet, as at the tip of a cone, in units
+/// of the share of A that they have lost.
+const MEAN_OVERSHOT: f64 = 0.6;
+/// What M is given back there, as a share of what A is.
+const MEAN_GIVEN_BACK: f64 = 0.7;
 /// Share of the integral of |H| over hollow creases that M may be wrong by: the feet of rods, the bottoms of holes.
 const OF_HOLLOW: f64 = 0.45;
 /// What is missing there, of A in units of such area and of the integral of |H| in units of the share of such area; both in
@@ -145,8 +169,9 @@ const EDGES_LOST: [f64; 2] = [0.45, 0.3];
 const FURTHEST: f64 = 0.5;
 
 impl Recovered {
-    /// With the mesh of phi = 0: a band is wider than thin parts.
-    pub(super) fn with_surface(self, surface: &Surface, spacing: Spacing) -> Self {
+    /// By the mesh of phi = 0: a band is wider than thin parts.
+    pub(super) fn new(summary: RecoverySummary, surface: &Surface, grid: &Grid) -> Self {
+        let spacing = grid.spacing();
         let mesh = &surface.mesh;
         let areas = mesh.vertex_areas();
         let area: f64 = areas.iter().sum();
@@ -169,14 +194,25 @@ impl Recovered {
             sharp_area,
             sharp_mean_curvature,
             creased_area,
-            creases: Creases::of(surface, &areas, spacing.geometric_mean()),
+            creases: Creases::of(surface, &areas, grid),
         };
-        Self { surface: (area > 0.0).then_some(surface), ..self }
+        Self { summary, surface: (area > 0.0).then_some(surface) }
+    }
+
+    /// Area of the faces along the grid, by axis, mm^2.
+    pub(super) fn faces(&self) -> [f64; 3] {
+        self.surface.map(|mesh| mesh.creases.faces).unwrap_or_default()
     }
 
     /// A, M and M / A of the object, and their standard errors: of the surface parallel to the mesh that has the voxels' volume.
     /// On thin parts phi = 0 passes by the outermost centres, and so too far in.
-    pub(super) fn results(&self, volume: f64, spacing: Spacing, sigma: f64) -> Option<[SurfaceValues; 2]> {
+    pub(super) fn results(
+        &self,
+        volume: f64,
+        spacing: Spacing,
+        sigma: f64,
+        noise: SamplingNoise,
+    ) -> Option<[SurfaceValues; 2]> {
         let mesh = self.surface?;
         let most = FURTHEST * spacing.geometric_mean();
         let shift = ((volume - mesh.volume) / mesh.area).clamp(-most, most);
@@ -185,16 +221,22 @@ impl Recovered {
         let [of_area, of_mean] =
             [2.0 * mesh.total_mean_curvature * shift + gaussian * shift * shift, gaussian * shift];
         let lost = self.summary.share();
-        // Where all of it turns so, as of a tube, it is no edge.
-        let edges = mesh.sharp_area * (1.0 - mesh.sharp_share());
-        let sharp_curvature = edges / mesh.area * mesh.absolute_mean_curvature;
+        let edges = mesh.edges();
+        let given_back = mesh.given_back();
         let area = mesh.area
             + of_area * (1.0 - TOO_FAR * lost).max(0.0)
             + EDGES_LOST[0] * lost * edges
-            + GIVEN_BACK * mesh.creases.plain_area;
-        let mean = mesh.total_mean_curvature + of_mean + EDGES_LOST[1] * lost * sharp_curvature;
+            + given_back[0];
+        let of_edge = EDGES_LOST[1] * lost * edges / mesh.area * mesh.absolute_mean_curvature;
+        let mean = mesh.total_mean_curvature + of_mean + of_edge + given_back[1];
         let of_pose = self.errors_of_pose(&mesh, [of_area, of_mean], left_of_terraces(spacing, sigma));
-        let of_edges = mesh.errors_of_edges();
+        let too_large = noise.curved / mesh.area;
+        let of_pose = [
+            libm::hypot(of_pose[0], 2.0 * mesh.total_mean_curvature * too_large),
+            libm::hypot(of_pose[1], gaussian * too_large),
+        ];
+        let [edges_of_area, edges_of_mean] = mesh.errors_of_edges();
+        let of_edges = [libm::hypot(edges_of_area, noise.faces_of_area), edges_of_mean];
         let [area_error, mean_error] = [0, 1].map(|n| libm::hypot(of_pose[n], of_edges[n]));
         // What edges lose of A says nothing of M.
         let average_error =
@@ -227,18 +269,41 @@ impl Mesh {
         self.sharp_area / self.area
     }
 
+    /// Sharp area that may be edges: where all of it turns so, as of a tube, none is.
+    fn edges(&self) -> f64 {
+        self.sharp_area * (1.0 - self.sharp_share())
+    }
+
+    /// What is given back of A and M where edges were rounded.
+    fn given_back(&self) -> [f64; 2] {
+        let Creases { plain_area, acute_area, told_area, gridded_area, .. } = self.creases;
+        let of_small = TOLD * told_area + GRIDDED[0] * gridded_area;
+        let per_area = self.absolute_mean_curvature / self.area;
+        [of_small + GIVEN_BACK * plain_area + ACUTE[0] * acute_area, MEAN_GIVEN_BACK * of_small * per_area]
+    }
+
     /// Errors of A and M by edges that a rounded surface may stand for.
     fn errors_of_edges(&self) -> [f64; 2] {
         let rest = 1.0 - self.sharp_share();
+        let Creases { lost_area, overshot_area, acute_area, suspected_area, gridded_area, .. } = self.creases;
+        let per_area = self.absolute_mean_curvature / self.area;
+        let suspected = (OF_SUSPECTED[0] + OF_SUSPECTED[1] * self.sharp_share()) * suspected_area;
         [
             of_all(&[
                 OF_EDGES[0] * self.sharp_area * rest,
                 OF_CREASES * self.creased_area * rest.powi(5),
-                OF_LOST * self.creases.lost_area,
+                OF_LOST * lost_area,
+                suspected,
+                GRIDDED[1] * gridded_area,
+                ACUTE[1] * acute_area,
             ]),
             of_all(&[
                 OF_EDGES[1] * self.sharp_mean_curvature * rest,
                 OF_HOLLOW * self.creases.hollow_mean_curvature,
+                MEAN_SUSPECTED * suspected * per_area,
+                GRIDDED[1] * gridded_area * per_area,
+                ACUTE[1] * acute_area * per_area,
+                MEAN_OVERSHOT * overshot_area * per_area,
             ]),
         ]
     }

@@ -151,7 +151,7 @@ impl Surface {
 }
 
 /// Fractional voxel indices of points of the world.
-fn indices(points: &[[f64; 3]], grid: &Grid) -> Vec<[f64; 3]> {
+pub(super) fn indices(points: &[[f64; 3]], grid: &Grid) -> Vec<[f64; 3]> {
     let affine = grid.affine();
     let columns = [0, 1, 2].map(|a| affine.column(a));
     let volume = affine.determinant();
