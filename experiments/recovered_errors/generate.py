@@ -152,6 +152,45 @@ def cone(rng, _):
     return Cone(rng.uniform(6, 18), rng.uniform(8, 30))
 
 
+def small_cuboid(rng, _):
+    return Cuboid(rng.uniform(4, 14, 3))
+
+
+def small_cylinder(rng, _):
+    return Cylinder(rng.uniform(2.5, 7), rng.uniform(4, 14))
+
+
+def small_cone(rng, _):
+    radius = rng.uniform(4, 9)
+    return Cone(radius, radius * rng.uniform(1.2, 2.4))
+
+
+def flat_cone(rng, _):
+    radius = rng.uniform(8, 20)
+    return Cone(radius, radius * rng.uniform(0.3, 0.7))
+
+
+def slim_cone(rng, _):
+    radius = rng.uniform(4, 9)
+    return Cone(radius, radius * rng.uniform(3, 6))
+
+
+def square_rod(rng, _):
+    return Cuboid([*rng.uniform(2.5, 5, 2), rng.uniform(12, 30)])
+
+
+def cuboid_along(rng, _):
+    return Cuboid(rng.uniform(5, 25, 3))
+
+
+def small_ball(rng, _):
+    return Superellipsoid([rng.uniform(2, 6)] * 3, 2.0)
+
+
+def small_ellipsoid(rng, _):
+    return Superellipsoid(rng.uniform(2.2, 6, 3), 2.0)
+
+
 @dataclass(frozen=True)
 class Kind:
     """What is made of it: so many shapes, clean in so many poses, the first few with every noise too.
@@ -187,6 +226,15 @@ KINDS = {
     "near": Kind(cuboid, 12, 2, 0.0, tilt=14),
     "cyl": Kind(cylinder, 10, 2, 0.0),
     "cone": Kind(cone, 10, 2, 0.0),
+    "cuboidS": Kind(small_cuboid, 14, 3, 0.0),
+    "cylS": Kind(small_cylinder, 14, 3, 0.0),
+    "coneS": Kind(small_cone, 14, 3, 0.0),
+    "coneF": Kind(flat_cone, 8, 3, 0.0),
+    "coneL": Kind(slim_cone, 8, 3, 0.0),
+    "rodsq": Kind(square_rod, 10, 3, 0.0),
+    "along": Kind(cuboid_along, 16, 2, 0.0, tilt=0),
+    "ballS": Kind(small_ball, 12, 3, 0.25),
+    "ellS": Kind(small_ellipsoid, 12, 3, 0.25),
     "plate": Kind(plate, 8, 3, 0.25, held_out=True),
     "torus": Kind(torus, 7, 3, 0.5, held_out=True),
     "cup": Kind(cup, 7, 3, 0.5, held_out=True),

@@ -152,9 +152,9 @@ const OF_SUSPECTED: [f64; 2] = [0.2, 0.4];
 const MEAN_SUSPECTED: f64 = 1.3;
 /// What is given back, and of it the error, where hollows or the grid tell such edges; where flat faces along the grid meet,
 /// which lie between voxels so that none tells of an edge; and of what acute edges may have lost.
-const TOLD: f64 = 0.25;
+const TOLD: f64 = 0.15;
 const GRIDDED: [f64; 2] = [0.12, 0.12];
-const ACUTE: [f64; 2] = [0.2, 0.4];
+const ACUTE: [f64; 2] = [0.1, 0.4];
 /// Share of the integral of |H| that M may be short of where edges that voxels speak for meet, as at the tip of a cone, in units
 /// of the share of A that they have lost.
 const MEAN_OVERSHOT: f64 = 0.6;
