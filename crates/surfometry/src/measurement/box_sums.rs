@@ -54,10 +54,9 @@ impl ObjectPart {
             sums: self.sums.clone(),
             topology: self.topology.topology(cover),
             voxels: self.voxels,
-            open: None,
-            recovered: None,
             integrated: self.integrated,
             topology_time: self.topology_time,
+            ..Totals::default()
         }
     }
 

@@ -28,6 +28,8 @@ pub(super) struct Totals {
     pub(super) open: Option<OpenPart>,
     /// What corrections did, and the surface that came of it.
     pub(super) recovered: Option<Recovered>,
+    /// Time that corrections and their surface took.
+    pub(super) recover_time: Duration,
     /// Time until the integrals were known.
     pub(super) integrated: Duration,
     pub(super) topology_time: Duration,
@@ -363,6 +365,7 @@ impl Totals {
     fn timings(&self) -> StageSeconds {
         let times = &self.sums.times;
         StageSeconds {
+            recover: self.recover_time.as_secs_f64(),
             embed: times.embed.as_secs_f64(),
             derive: times.derive.as_secs_f64(),
             integrate: times.integrate.as_secs_f64(),

@@ -310,18 +310,21 @@ impl Object {
         Totals { topology, voxels, topology_time: start.elapsed(), ..Totals::default() }
     }
 
+    /// What corrections did and the surface that came of it, and the time that took.
+    fn recovered(&self) -> (Option<Recovered>, Duration) {
+        let Content::Corrected(_, summary) = &self.content else { return <_>::default() };
+        let start = Instant::now();
+        let recovered = Recovered::new(*summary, &self.bare_surface(), self.grid());
+        (Some(recovered), self.preparation + start.elapsed())
+    }
+
     /// All numbers, of voxels that were counted.
     fn measure_counted(&self, counted: &Totals) -> Measured {
         let start = Instant::now();
         let sums = self.sums(true);
         let integrated = self.preparation + sums.times.share_of_integrals(start.elapsed());
-        let recovered = match &self.content {
-            Content::Corrected(_, summary) => {
-                Some(Recovered::new(*summary, &self.bare_surface(), self.grid()))
-            }
-            _ => None,
-        };
-        let totals = Totals { sums, open: self.open(), integrated, recovered, ..*counted };
+        let (recovered, recover_time) = self.recovered();
+        let totals = Totals { sums, open: self.open(), integrated, recovered, recover_time, ..*counted };
         self.setup.measured(&totals)
     }
 }

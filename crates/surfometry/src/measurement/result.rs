@@ -176,6 +176,8 @@ impl SurfaceValues {
 /// Time in each stage, s, summed over threads.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct StageSeconds {
+    /// Finding the corrections that give an object back, and reading their surface, on the clock.
+    pub recover: f64,
     /// Making the field.
     pub embed: f64,
     /// Differentiating it in the band.
@@ -196,8 +198,9 @@ pub struct StageSeconds {
 
 impl StageSeconds {
     /// The stages by their names, in their order.
-    pub fn named(&self) -> [(&'static str, f64); 7] {
+    pub fn named(&self) -> [(&'static str, f64); 8] {
         [
+            ("recover", self.recover),
             ("embed", self.embed),
             ("derive", self.derive),
             ("integrate", self.integrate),
@@ -212,6 +215,7 @@ impl StageSeconds {
     #[must_use]
     pub fn plus(&self, other: &Self) -> Self {
         Self {
+            recover: self.recover + other.recover,
             embed: self.embed + other.embed,
             derive: self.derive + other.derive,
             integrate: self.integrate + other.integrate,
