@@ -61,6 +61,18 @@ pub enum RunError {
         /// The objects.
         objects: String,
     },
+    /// Objects of one image that share a label.
+    #[error(
+        "the objects {first} and {second} share label {label}, whose voxels can have the value of only one of them in an image: name each label once, or write an image for each object"
+    )]
+    SharedLabel {
+        /// The label.
+        label: i64,
+        /// An object that has it.
+        first: LabelGroup,
+        /// The other.
+        second: LabelGroup,
+    },
     /// What cannot be done with the input.
     #[error("{0}")]
     Unfit(&'static str),

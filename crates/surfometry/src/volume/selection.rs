@@ -81,6 +81,16 @@ impl LabelSelection {
         self.resolve_among(image.summaries().iter().map(|s| s.label))
     }
 
+    /// A label that two of the groups have, with those.
+    pub(crate) fn shared(&self) -> Option<(i64, [LabelGroup; 2])> {
+        let Self::Groups(groups) = self else { return None };
+        let pairs = (0..groups.len()).flat_map(|a| groups[a + 1..].iter().map(move |b| (&groups[a], b)));
+        pairs.into_iter().find_map(|(a, b)| {
+            let shared = a.0.iter().find(|label| b.0.contains(label))?;
+            Some((*shared, [a.clone(), b.clone()]))
+        })
+    }
+
     /// The groups to measure among the labels that occur, background left out.
     pub(crate) fn resolve_among(
         &self,
