@@ -343,7 +343,8 @@ fn areas_without_cuts_of_what_fills_edges() {
         for (name, tolerance) in [
             ("voxels", 1e-9),
             ("triangulation", if shape == "bar" { 0.02 } else { 1e-9 }),
-            ("triangulation-smoothed", 0.02),
+            // The smoothing rounds the bar's one edge.
+            ("triangulation-smoothed", if shape == "bar" { 0.03 } else { 1e-3 }),
             // Their directions miss faces along the grid, the more so on such voxels.
             ("crofton-13", 0.1),
             ("lindblad", 0.125),

@@ -4,7 +4,7 @@ use crate::console::{Voice, control};
 use crate::cures::cure;
 use crate::inputs::expand;
 use crate::options::MeasureOptions;
-use crate::output::{Layout, TableSink, TableStyle, check_output, digits, raised_text, status};
+use crate::output::{Layout, TableSink, TableStyle, check_output, digits, raised_text, status, with_scales};
 use anyhow::{Context, Result, bail};
 use std::io::{self, IsTerminal};
 use std::path::PathBuf;
@@ -41,6 +41,7 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
         bail!("{}: the name must end in .nii or .nii.gz", args.output.display());
     }
     let control = control(inputs.len(), Voice { quiet, memory: false });
+    let scale_ledger = plan.scale_ledger.clone();
     let batch = Batch { inputs: &inputs, open: plan.open, control: &control, cure };
     let task = EmbedTask { plan, file: args.output.clone(), ledger: FileLedger::new(&inputs) };
     task.check()?;
@@ -50,7 +51,7 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
     let outcome = batch.run(&task, &mut sink)?;
     let out = sink.finish().context("stdout cannot be written")?;
     out.end(outcome.stopped).context("stdout cannot be written")?;
-    Ok(status(outcome))
+    Ok(with_scales(status(outcome), &scale_ledger, quiet))
 }
 
 const COLUMNS: [&str; 8] =

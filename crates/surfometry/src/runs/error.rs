@@ -54,12 +54,16 @@ pub enum RunError {
     #[error("the file changed while it was read: measure it again when it is finished")]
     Changed,
     /// A blur or thickness of what is not measured.
-    #[error("a sigma or thickness is given for label {label}, which is not among the objects: {objects}")]
+    #[error(
+        "a sigma or thickness is given for label {label}, which is not among the objects: {objects}; {cure}"
+    )]
     UnusedScale {
         /// The label, or labels.
         label: LabelGroup,
         /// The objects.
         objects: String,
+        /// What may have been meant.
+        cure: String,
     },
     /// Objects of one image that share a label.
     #[error(

@@ -21,6 +21,16 @@ impl LabelGroup {
         Self(labels)
     }
 
+    /// Whether it is the same labels, in whatever order.
+    pub fn is_same(&self, other: &Self) -> bool {
+        self.0.len() == other.0.len() && self.0.iter().all(|label| other.0.contains(label))
+    }
+
+    /// Whether it is one of some objects.
+    pub(crate) fn is_among(&self, objects: &[Self]) -> bool {
+        objects.iter().any(|object| self.is_same(object))
+    }
+
     /// The labels.
     pub fn labels(&self) -> &[i64] {
         &self.0
