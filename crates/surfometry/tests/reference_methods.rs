@@ -322,6 +322,9 @@ fn areas_without_cuts_of_balls() {
     }
 }
 
+/// Which voxels a shape has.
+type Inside = fn([usize; 3]) -> bool;
+
 /// A plate through the image, which four faces cut, has its two sides; what fills the image has no surface; a bar
 /// along the image's edge has two sides of four. Flat sides are exact by the triangulation and by voxels, and as
 /// large by each method as where nothing cuts them.
@@ -330,7 +333,6 @@ fn areas_without_cuts_of_what_fills_edges() {
     let (dimensions, spacing) = ([30, 26, 24], [0.7, 0.9, 1.1]);
     let grid = Grid::axis_aligned(dimensions, spacing).unwrap();
     let [lx, ly, lz]: [f64; 3] = std::array::from_fn(|a| dimensions[a] as f64 * spacing[a]);
-    type Inside = fn([usize; 3]) -> bool;
     let shapes: [(&str, Inside, f64); 4] = [
         ("plate", |at| (9..15).contains(&at[2]), 2.0 * lx * ly),
         ("half", |at| at[2] < 11, lx * ly),

@@ -94,13 +94,13 @@ fn tables(args: &Args) -> Result<[Table; 2]> {
     let label = args.label.as_ref().map(meant).transpose()?;
     let [of_method, of_standard] = label.map_or([None, None], |l| [Some(l.method), Some(l.standard)]);
     Ok([
-        table(method, KeyColumns { object: object.method, label: of_method })?,
-        table(standard, KeyColumns { object: object.standard, label: of_standard })?,
+        table(method, &KeyColumns { object: object.method, label: of_method })?,
+        table(standard, &KeyColumns { object: object.standard, label: of_standard })?,
     ])
 }
 
-fn table(files: TableFiles, names: KeyColumns) -> Result<Table> {
-    files.into_table(&names).map_err(|error| match error {
+fn table(files: TableFiles, names: &KeyColumns) -> Result<Table> {
+    files.into_table(names).map_err(|error| match error {
         TableError::Unnamed { .. } => anyhow!("{error}; name the one that does with --object"),
         error => error.into(),
     })

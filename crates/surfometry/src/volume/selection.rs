@@ -27,7 +27,7 @@ impl LabelGroup {
     }
 
     /// Whether it is one of some objects.
-    pub(crate) fn is_among(&self, objects: &[Self]) -> bool {
+    pub fn is_among(&self, objects: &[Self]) -> bool {
         objects.iter().any(|object| self.is_same(object))
     }
 
@@ -92,7 +92,7 @@ impl LabelSelection {
     }
 
     /// A label that two of the groups have, with those.
-    pub(crate) fn shared(&self) -> Option<(i64, [LabelGroup; 2])> {
+    pub fn shared(&self) -> Option<(i64, [LabelGroup; 2])> {
         let Self::Groups(groups) = self else { return None };
         let pairs = (0..groups.len()).flat_map(|a| groups[a + 1..].iter().map(move |b| (&groups[a], b)));
         pairs.into_iter().find_map(|(a, b)| {
