@@ -55,7 +55,7 @@ impl FromStr for LengthByLabel {
                 None => lengths.of_all = Some(length(part)?),
                 Some((label, mm)) => {
                     let label = one_label(label)?;
-                    if lengths.of_labels.iter().any(|(known, _)| *known == label) {
+                    if lengths.of_labels.iter().any(|(known, _)| known.is_same(&label)) {
                         return Err(format!("label {label} has two lengths"));
                     }
                     lengths.of_labels.push((label, length(mm)?));

@@ -265,7 +265,10 @@ fn tables_that_cannot_be_compared() {
         (&[&ragged, &standard], "ragged.csv: not read as CSV"),
         (&[&bare, &bare], "name one"),
         (&[&method, &standard, "--column", "mass"], "no column `mass`; columns of numbers are"),
-        (&[&method, "nowhere.csv"], "nowhere.csv: not read as CSV"),
+        (
+            &[&method, "nowhere.csv"],
+            "nowhere.csv: cannot be read: No such file or directory (os error 2); name a table",
+        ),
         (&[&method, &standard, "-o", "page.pdf"], "must end in .html, .png, .svg or .json"),
         (&[&method, &standard, "-o", &method], "would replace the input"),
     ];

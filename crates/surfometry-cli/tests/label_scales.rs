@@ -88,7 +88,7 @@ fn all_commands_have_them() {
         if command == "embed" {
             let rows: Vec<Vec<&str>> =
                 text(&done.stdout).lines().map(|line| line.split_whitespace().collect()).collect();
-            assert_eq!(rows[2..].iter().map(|row| row[2]).collect::<Vec<_>>(), ["2", "1.25", "2"]);
+            assert_eq!(rows[2..5].iter().map(|row| row[2]).collect::<Vec<_>>(), ["2", "1.25", "2"]);
         }
     }
     let map: Value = serde_json::from_slice(&std::fs::read(&document).unwrap()).unwrap();
@@ -100,9 +100,12 @@ fn all_commands_have_them() {
 fn lengths_that_belong_to_nothing_are_refused() {
     let folder = tempfile::tempdir().unwrap();
     let image = image(folder.path());
-    let cases: [(&[&str], i32, &str); 9] = [
+    let cases: [(&[&str], i32, &str); 12] = [
         (&["--sigma", "2,5=1"], 1, "given for label 5, which is not among the objects: 2, 20, 21"),
-        (&["--thickness", "20+21=3"], 1, "given for label 20+21"),
+        (&["--thickness", "20+21=3"], 1, "balls.nii.gz: a sigma or thickness is given for label 20+21"),
+        (&["--thickness", "20+21=3"], 1, "; write 20=MM"),
+        (&["--label", "20+21", "--sigma", "2,20=1"], 2, "among the objects: 20+21; write 20+21=MM"),
+        (&["--sigma", "20+21=1,21+20=2"], 2, "has two lengths"),
         (&["--label", "2", "--sigma", "20=1"], 2, "given for label 20, which is not among the objects: 2"),
         (&["--sigma", "1,2"], 2, "LABEL=MM"),
         (&["--sigma", "2=1,2=3"], 2, "label 2 has two lengths"),
@@ -116,4 +119,34 @@ fn lengths_that_belong_to_nothing_are_refused() {
         assert_eq!(output.status.code(), Some(status), "{args:?}");
         assert!(text(&output.stderr).contains(wanted), "{args:?}: {}", text(&output.stderr));
     }
+}
+
+/// Of several images some may lack a label, which is said once; where none has it that is an error. Each record has
+/// the sigma of its label, in whatever order united labels are named.
+#[test]
+fn images_may_lack_a_label() {
+    let folder = tempfile::tempdir().unwrap();
+    let image = image(folder.path());
+    let other = "phantom:ball?radius=8";
+    for (inputs, status, wanted) in [
+        ([&image, other], 0, "for label 20, which 1 of 2 inputs lack, as phantom:ball?radius=8"),
+        (
+            [other, "phantom:ball?radius=9"],
+            1,
+            "for label 20, which none of the 2 inputs has: phantom:ball?radius=8 has 1; name",
+        ),
+    ] {
+        let output = run(&[&["measure", "--sigma", "2,20=1.25", "--format", "json"], &inputs[..]].concat());
+        let told = text(&output.stderr);
+        assert_eq!(output.status.code(), Some(status), "{told}");
+        assert_eq!(told.matches(wanted).count(), 1, "{told}");
+        let document: Value = serde_json::from_slice(&output.stdout).unwrap();
+        for record in document["results"].as_array().unwrap() {
+            let sigma = if record["label"] == 20 { 1.25 } else { 2.0 };
+            assert_eq!(record["parameters"]["sigma_mm"], sigma);
+        }
+        assert_eq!(document["failures"].as_array().unwrap().len(), 0);
+    }
+    let united = records(&[&image, "--label", "20+21", "--sigma", "2,21+20=1.5"]);
+    assert_eq!(united[0]["parameters"]["sigma_mm"], 1.5);
 }

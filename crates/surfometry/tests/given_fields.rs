@@ -202,6 +202,43 @@ fn field_highest(field: &FieldImage) -> f64 {
     values.fold(f64::NEG_INFINITY, f64::max)
 }
 
+/// What the pages say of balls that the edge cuts through their middle, at defaults: the rim's rounding takes A and M,
+/// the cap along the voxels gives 4.7 % of its area, a third of a half ball's.
+#[test]
+fn the_rim_of_a_cap_costs_area_and_mean_curvature() {
+    for (radius, [area, mean_curvature]) in [(12.0, [-0.018, -0.020]), (24.0, [-0.0014, -0.0093])] {
+        let size = 2 * radius as usize + 10;
+        let grid = Grid::axis_aligned([size, size, radius as usize + 8], [1.0; 3]).unwrap();
+        let centre = [0.5 * size as f64 - 0.3, 0.5 * size as f64 - 0.2, -0.5];
+        let distance = |p: [f64; 3]| (0..3).map(|a| (p[a] - centre[a]).powi(2)).sum::<f64>().sqrt() - radius;
+        let field = sampled(grid, true, distance);
+        let r = Measurement::default().padding(Padding::Highest).run_field(&field).unwrap();
+        let exact_mean = 2.0 * PI * radius * (1.0 + 0.25 * PI);
+        let found = offs(&r, [2.0 / 3.0 * PI * radius.powi(3), 3.0 * PI * radius * radius, exact_mean, 2.0]);
+        println!("R {radius}: {found:.4?}");
+        assert!(found[0].abs() < 0.002 && found[3].abs() < 0.04, "{found:?}");
+        assert!((found[1] - area).abs() < 0.002, "{found:?}");
+        assert!((found[2] - mean_curvature).abs() < 0.002, "{found:?}");
+    }
+}
+
+/// A field of one sign has no surface, whatever is beyond its edge.
+#[test]
+fn a_field_of_one_sign_is_told_so() {
+    let grid = Grid::axis_aligned([12, 14, 16], [1.0, 0.8, 1.1]).unwrap();
+    for (sign, words) in
+        [(-1.0, "no voxel of the field is positive"), (1.0, "no voxel of the field is negative")]
+    {
+        let field = sampled(grid, true, |p| sign * (1.0 + 0.01 * p[0] * p[0]));
+        for padding in [None, Some(Padding::Highest), Some(Padding::Constant(3.0))] {
+            for m in [Measurement::default(), Measurement::default().epsilon(0.5)] {
+                let error = m.padding(padding).run_field(&field).unwrap_err().to_string();
+                assert!(error.contains(words) && error.contains("phi < 0 as inside"), "{error}");
+            }
+        }
+    }
+}
+
 /// Words are about the field: it was not blurred by this program.
 #[test]
 fn flags_of_a_field_blame_no_blur() {

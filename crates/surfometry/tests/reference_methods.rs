@@ -274,3 +274,91 @@ fn sharp_edges() {
         assert!(range.contains(&error), "{name} {error}");
     }
 }
+
+/// Balls that one, two and three faces of the image cut through their middle: half, a quarter and an eighth of the
+/// sphere is left, whichever of the faces they are; the flat parts are none of it. The whole ball by the same method
+/// is the measure, and the closed form.
+#[test]
+fn areas_without_cuts_of_balls() {
+    let (dimensions, spacing, radius) = ([40, 34, 30], [0.7, 0.9, 1.1], 12.0);
+    let middle = |cut: [Option<bool>; 3]| -> [f64; 3] {
+        std::array::from_fn(|a| match cut[a] {
+            None => 0.5 * (dimensions[a] as f64 - 1.0) + 0.3,
+            Some(false) => -0.5,
+            Some(true) => dimensions[a] as f64 - 0.5,
+        })
+    };
+    let ball = |cut: [Option<bool>; 3]| {
+        let centre = middle(cut);
+        let square =
+            |at: [usize; 3]| (0..3).map(|a| ((at[a] as f64 - centre[a]) * spacing[a]).powi(2)).sum::<f64>();
+        Mask::from_predicate(Grid::axis_aligned(dimensions, spacing).unwrap(), |at| {
+            square(at) < radius * radius
+        })
+    };
+    let sphere = 4.0 * std::f64::consts::PI * radius * radius;
+    let cuts = [
+        ([Some(false), None, None], 0.5),
+        ([None, None, Some(true)], 0.5),
+        ([Some(true), Some(false), None], 0.25),
+        ([None, Some(true), Some(true)], 0.25),
+        ([Some(false), Some(true), Some(false)], 0.125),
+    ];
+    for (name, bias) in
+        [("triangulation", 1.082), ("triangulation-smoothed", 1.0), ("crofton-13", 1.0), ("lindblad", 1.0)]
+    {
+        for (cut, share) in cuts {
+            let (values, sample) = sample_by(name, &ball(cut));
+            let (closed, open) =
+                (values.surface_area_mm2.unwrap(), sample.surface_area_without_cuts_mm2.unwrap());
+            let ratio = open / (share * sphere * bias);
+            println!(
+                "{name} {cut:?}: {ratio:.4} of the sphere's share, {:.4} with the cuts",
+                closed / (share * sphere)
+            );
+            assert!((ratio - 1.0).abs() < 0.012, "{name} {cut:?} {ratio}");
+            assert!(open < closed);
+        }
+    }
+}
+
+/// Which voxels a shape has.
+type Inside = fn([usize; 3]) -> bool;
+
+/// A plate through the image, which four faces cut, has its two sides; what fills the image has no surface; a bar
+/// along the image's edge has two sides of four. Flat sides are exact by the triangulation and by voxels, and as
+/// large by each method as where nothing cuts them.
+#[test]
+fn areas_without_cuts_of_what_fills_edges() {
+    let (dimensions, spacing) = ([30, 26, 24], [0.7, 0.9, 1.1]);
+    let grid = Grid::axis_aligned(dimensions, spacing).unwrap();
+    let [lx, ly, lz]: [f64; 3] = std::array::from_fn(|a| dimensions[a] as f64 * spacing[a]);
+    let shapes: [(&str, Inside, f64); 4] = [
+        ("plate", |at| (9..15).contains(&at[2]), 2.0 * lx * ly),
+        ("half", |at| at[2] < 11, lx * ly),
+        ("all", |_| true, 0.0),
+        ("bar", |at| at[1] < 10 && at[2] > 12, lx * (10.0 * 0.9 + 11.0 * 1.1)),
+    ];
+    assert!((lz - 26.4).abs() < 1e-12);
+    for (shape, inside, exact) in shapes {
+        let mask = Mask::from_predicate(grid, inside);
+        for (name, tolerance) in [
+            ("voxels", 1e-9),
+            ("triangulation", if shape == "bar" { 0.02 } else { 1e-9 }),
+            // The smoothing rounds the bar's one edge.
+            ("triangulation-smoothed", if shape == "bar" { 0.03 } else { 1e-3 }),
+            // Their directions miss faces along the grid, the more so on such voxels.
+            ("crofton-13", 0.1),
+            ("lindblad", 0.125),
+        ] {
+            let (values, sample) = sample_by(name, &mask);
+            let (closed, open) =
+                (values.surface_area_mm2.unwrap(), sample.surface_area_without_cuts_mm2.unwrap());
+            println!("{name} {shape}: {open:.2}, exact {exact:.2}, with the cuts {closed:.2}");
+            assert!(
+                (open - exact).abs() <= tolerance * exact + 1e-6 * closed,
+                "{name} {shape} {open} {exact}"
+            );
+        }
+    }
+}

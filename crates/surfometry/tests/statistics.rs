@@ -218,7 +218,15 @@ fn what_cannot_be_compared() {
         Paired::new(vec![1.0, f64::NAN, 2.0], vec![1.0, 2.0, 3.0]).unwrap_err(),
         PairError::NotFinite(1)
     );
-    assert_eq!(Paired::new(vec![1.0; 3], vec![1.0, 2.0, 3.0]).unwrap_err(), PairError::Constant("method"));
+    // Of what does not vary there is a bias, -1, and a line only on what does.
+    for (method, standard, slope) in
+        [(vec![1.0; 3], vec![1.0, 2.0, 3.0], Some(0.0)), (vec![0.0, 1.0, 2.0], vec![2.0; 3], None)]
+    {
+        let result = Agreement::of(&Paired::new(method, standard).unwrap(), Bootstrap::default());
+        close(result.bland_altman.bias.value, -1.0, 1e-12);
+        assert!(result.concordance.value.is_nan() && result.bland_altman.proportional.slope.value.is_nan());
+        assert_eq!(Some(result.regression.slope.value).filter(|slope| !slope.is_nan()), slope);
+    }
 }
 
 /// A method that is the standard: slope 1, no bias, no NaN anywhere.

@@ -5,7 +5,11 @@ use crate::output::{check_output, comparison_text, deliver, json_text, say};
 use crate::values::two_names;
 use anyhow::{Context, Result, anyhow, bail};
 use std::path::{Path, PathBuf};
-use surfometry::comparison::{ColumnPair, Comparison, Table, TableError, compare};
+use surfometry::comparison::{
+    ColumnChoice, ColumnPair, Comparison, KeyColumns, MeasureAgreement, Table, TableError, TableFiles,
+    compare,
+};
+use surfometry::pictures::Figure;
 use surfometry::report::{ComparisonPage, HashedInput, Provenance, comparison_chart, render_comparison};
 use surfometry::runs::{MapStyle, write_figure};
 use surfometry::statistics::Bootstrap;
@@ -13,7 +17,8 @@ use surfometry::statistics::Bootstrap;
 /// Compare two tables of the same objects: regression, Bland-Altman, concordance, Euler characteristics
 ///
 /// Tables are what `measure`, `reference`, `sweep`, `validate` and `cohort` write, as CSV, JSON or JSONL,
-/// or CSV of other programs, with commas, semicolons or tabs; a folder stands for all tables in it. Objects
+/// or CSV of other programs, with commas, semicolons or tabs, read as numbers only
+/// where their decimal signs cannot be mistaken; a folder stands for all tables in it. Objects
 /// are matched by the columns input and label, as far as both tables have them, and by file names without
 /// folders and endings where these differ. Where an object has a row for each of several methods, the
 /// columns are called NAME@METHOD. What is compared by default is the original object's. Bias is METHOD
@@ -31,10 +36,13 @@ pub(crate) struct Args {
     /// volume_mm3, surface_area_mm2, total_mean_curvature_mm, average_mean_curvature_per_mm,
     /// euler_characteristic]
     #[arg(long = "column", value_name = "NAME|METHOD:STANDARD")]
-    columns: Vec<ColumnPair>,
+    columns: Vec<ColumnChoice>,
     /// Column that names the objects' inputs: of both tables, or one of each
     #[arg(long, value_name = "NAME|METHOD:STANDARD", default_value = "input")]
-    object: ColumnPair,
+    object: ColumnChoice,
+    /// Column that has the objects' labels: of both tables, or one of each [default: label, where there is one]
+    #[arg(long, value_name = "NAME|METHOD:STANDARD")]
+    label: Option<ColumnChoice>,
     /// What to call the two [default: the files' names]
     #[arg(long, value_name = "METHOD,STANDARD", value_parser = two_names)]
     names: Option<[String; 2]>,
@@ -48,8 +56,7 @@ pub(crate) struct Args {
 }
 
 pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
-    let [method, standard] =
-        [read(&args.method, &args.object.method)?, read(&args.standard, &args.object.standard)?];
+    let [method, standard] = tables(args)?;
     let files = method.files.iter().chain(&standard.files);
     let inputs: Vec<String> = files.map(|file| file.to_string_lossy().into_owned()).collect();
     for (number, output) in args.outputs.iter().enumerate() {
@@ -60,24 +67,54 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
         }
     }
     let how = Bootstrap { samples: args.bootstrap as usize, ..Bootstrap::default() };
-    let comparison = compare([&method, &standard], names(args), &args.columns, how)?;
+    let meant = |choice| meant(choice, |name| method.has(name), |name| standard.has(name));
+    let columns = args.columns.iter().map(meant).collect::<Result<Vec<_>>>()?;
+    let comparison = compare([&method, &standard], names(args), &columns, how)?;
     if !quiet {
         let lost = comparison.only_method.len() + comparison.only_standard.len();
         if lost > 0 {
             say(&format!("{} objects are in both tables, {lost} in one alone", comparison.matched));
         }
     }
-    for output in &args.outputs {
-        write(output, &comparison, [&method, &standard])?;
+    // All is made before any of it is written, so that what cannot be made leaves nothing behind.
+    let made = |output: &PathBuf| made(output, &comparison, [&method, &standard]);
+    let made = args.outputs.iter().map(made).collect::<Result<Vec<_>>>()?;
+    for (output, made) in args.outputs.iter().zip(made) {
+        made.write(output)?;
     }
     deliver(&comparison_text(&comparison), None)?;
     Ok(ALL_DONE)
 }
 
-fn read(path: &str, objects: &str) -> Result<Table> {
-    Table::read_named(Path::new(path), objects).map_err(|error| match error {
+fn tables(args: &Args) -> Result<[Table; 2]> {
+    let [method, standard] = [&args.method, &args.standard].map(|path| TableFiles::read(Path::new(path)));
+    let [method, standard] = [method?, standard?];
+    let meant = |choice| meant(choice, |name| method.has(name), |name| standard.has(name));
+    let object = meant(&args.object)?;
+    let label = args.label.as_ref().map(meant).transpose()?;
+    let [of_method, of_standard] = label.map_or([None, None], |l| [Some(l.method), Some(l.standard)]);
+    Ok([
+        table(method, &KeyColumns { object: object.method, label: of_method })?,
+        table(standard, &KeyColumns { object: object.standard, label: of_standard })?,
+    ])
+}
+
+fn table(files: TableFiles, names: &KeyColumns) -> Result<Table> {
+    files.into_table(names).map_err(|error| match error {
         TableError::Unnamed { .. } => anyhow!("{error}; name the one that does with --object"),
         error => error.into(),
+    })
+}
+
+fn meant(
+    choice: &ColumnChoice,
+    of_method: impl Fn(&str) -> bool,
+    of_standard: impl Fn(&str) -> bool,
+) -> Result<ColumnPair> {
+    choice.resolve(of_method, of_standard).map_err(|readings| {
+        let told = |pair: &ColumnPair| format!("`{}` against `{}`", pair.method, pair.standard);
+        let readings: Vec<String> = readings.iter().map(told).collect();
+        anyhow!("`{choice}` may be {}; rename a column", readings.join(" or "))
     })
 }
 
@@ -116,20 +153,44 @@ fn kind_of(path: &Path) -> Result<Kind> {
     })
 }
 
-fn write(path: &Path, comparison: &Comparison, tables: [&Table; 2]) -> Result<()> {
-    match kind_of(path)? {
-        Kind::Picture => {
-            let chart =
-                comparison_chart(comparison).context("no measure could be compared, so there is no chart")?;
-            Ok(write_figure(&chart, path, MapStyle::default().dpi_scale)?)
+/// What a file will hold.
+enum Made {
+    Text(String),
+    Picture(Figure),
+}
+
+impl Made {
+    fn write(&self, path: &Path) -> Result<()> {
+        match self {
+            Self::Text(text) => deliver(text, Some(path)),
+            Self::Picture(chart) => Ok(write_figure(chart, path, MapStyle::default().dpi_scale)?),
         }
-        Kind::Json => deliver(&json_text(comparison)?, Some(path)),
+    }
+}
+
+fn made(path: &Path, comparison: &Comparison, tables: [&Table; 2]) -> Result<Made> {
+    Ok(match kind_of(path)? {
+        Kind::Picture => {
+            Made::Picture(comparison_chart(comparison).with_context(|| no_chart(path, comparison))?)
+        }
+        Kind::Json => Made::Text(json_text(comparison)?),
         Kind::Page => {
             let command: Vec<String> = std::env::args().collect();
             let source = |table: &Table| HashedInput::of(&table.path.to_string_lossy(), &table.files);
             let sources = tables.into_iter().map(source).collect::<Result<_, _>>()?;
             let page = ComparisonPage::new(comparison.clone(), Provenance::new(command.join(" "), sources));
-            deliver(&render_comparison(&page)?, Some(path))
+            Made::Text(render_comparison(&page)?)
         }
-    }
+    })
+}
+
+fn no_chart(path: &Path, comparison: &Comparison) -> String {
+    let why = |m: &MeasureAgreement| m.problem.as_ref().map(|problem| format!("{}: {problem}", m.column));
+    let whys: Vec<String> = comparison.measures.iter().filter_map(why).collect();
+    let why = if whys.is_empty() {
+        "Euler characteristics have none but on the page (.html)".to_owned()
+    } else {
+        whys.join("; ")
+    };
+    format!("{}: there is no chart to draw: {why}; nothing was written, leave this file out", path.display())
 }

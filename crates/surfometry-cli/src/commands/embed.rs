@@ -4,7 +4,7 @@ use crate::console::{Voice, control};
 use crate::cures::cure;
 use crate::inputs::expand;
 use crate::options::MeasureOptions;
-use crate::output::{Layout, TableSink, TableStyle, check_output, digits, status};
+use crate::output::{Layout, TableSink, TableStyle, check_output, digits, raised_text, status, with_scales};
 use anyhow::{Context, Result, bail};
 use std::io::{self, IsTerminal};
 use std::path::PathBuf;
@@ -17,8 +17,9 @@ use surfometry::runs::{Batch, EmbedTask, EmbeddedObject, FileLedger, MapFile};
 ///
 /// This is the blurred mask made binary again, with which the paper validates, and with which other programs
 /// can be compared. The image has the input's lattice, and all labels their values (united ones the first;
-/// fields and soft segmentations 1). Each object is embedded as `measure` would with the same options. A
-/// voxel that several objects claim goes to the one whose phi is the lowest there; the plain blur at the
+/// fields and soft segmentations 1). By default each object is blurred, also where `measure` would recover what
+/// the blur loses: --embedding recovering gives the mask itself back. Flags are those of that measurement; an
+/// object of which nothing is left has failed, and without any object no image is written. A voxel that several objects claim goes to the one whose phi is the lowest there; the plain blur at the
 /// level 0.5 leaves no such voxels. The field phi itself is what `map -o FILE.nii.gz --voxels phi` writes.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
@@ -40,15 +41,17 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
         bail!("{}: the name must end in .nii or .nii.gz", args.output.display());
     }
     let control = control(inputs.len(), Voice { quiet, memory: false });
+    let scale_ledger = plan.scale_ledger.clone();
     let batch = Batch { inputs: &inputs, open: plan.open, control: &control, cure };
     let task = EmbedTask { plan, file: args.output.clone(), ledger: FileLedger::new(&inputs) };
+    task.check()?;
     let style = TableStyle { of_input: Box::new(table), legend: None };
     // A terminal has shown the failures already.
     let mut sink = TableSink::new(ResultOutput::stdout(), style, !io::stdout().is_terminal());
     let outcome = batch.run(&task, &mut sink)?;
     let out = sink.finish().context("stdout cannot be written")?;
     out.end(outcome.stopped).context("stdout cannot be written")?;
-    Ok(status(outcome))
+    Ok(with_scales(status(outcome), &scale_ledger, quiet))
 }
 
 const COLUMNS: [&str; 8] =
@@ -56,10 +59,11 @@ const COLUMNS: [&str; 8] =
 
 fn table(objects: &[EmbeddedObject]) -> String {
     let mut layout = Layout::new(&COLUMNS);
+    let name = |object: &EmbeddedObject| object.label.as_ref().map_or_else(String::new, ToString::to_string);
     for object in objects {
         let parameters = &object.parameters;
         let mut row = vec![
-            object.label.as_ref().map_or_else(String::new, ToString::to_string),
+            name(object),
             parameters.embedding.word().to_owned(),
             parameters.sigma_mm.map_or_else(|| "-".to_owned(), digits),
         ];
@@ -67,5 +71,9 @@ fn table(objects: &[EmbeddedObject]) -> String {
         row.extend(counts.map(|count| count.to_string()));
         layout.row(row);
     }
-    format!("{}\n{}", objects[0].input, layout.text())
+    let flags = |object: &'_ EmbeddedObject| {
+        object.flags.iter().map(|flag| (name(object), flag.clone())).collect::<Vec<_>>()
+    };
+    let raised: Vec<_> = objects.iter().flat_map(flags).collect();
+    format!("{}\n{}{}", objects[0].input, layout.text(), raised_text(&raised, objects.len()))
 }

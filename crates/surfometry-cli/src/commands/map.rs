@@ -4,7 +4,7 @@ use crate::console::{Voice, control};
 use crate::cures::cure;
 use crate::inputs::expand;
 use crate::options::{CurvatureOptions, MeasureOptions};
-use crate::output::{MapSink, check_output, deliver, status};
+use crate::output::{MapSink, check_output, deliver, status, with_scales};
 use crate::picture_options::{PictureOptions, distinct};
 use crate::values::one_of;
 use anyhow::{Result, anyhow, bail};
@@ -51,12 +51,13 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
     let [documents, files] = targets(args.output.iter().chain(&args.png), &inputs)?;
     let style = MapStyle { voxels: distinct(&args.voxels), ..args.pictures.map_style() };
     let control = control(inputs.len(), Voice { quiet, memory: false });
+    let scale_ledger = plan.scale_ledger.clone();
     let batch = Batch { inputs: &inputs, open: plan.open, control: &control, cure };
     let ledger = FileLedger::new(&inputs);
     let mut sink = MapSink::new(documents, quiet)?;
     let outcome = batch.run(&MapTask { plan, files, style, ledger }, &mut sink)?;
     deliver(&sink.finish(outcome)?, None)?;
-    Ok(status(outcome))
+    Ok(with_scales(status(outcome), &scale_ledger, quiet))
 }
 
 /// The files asked for: documents of all objects, and those of which there is one an object.

@@ -4,7 +4,7 @@ use crate::console::{Voice, control};
 use crate::cures::cure;
 use crate::inputs::expand;
 use crate::options::{MeasureOptions, OutputOptions};
-use crate::output::{check_output, record_tables, say, write_results};
+use crate::output::{check_output, record_tables, say, with_scales, write_results};
 use anyhow::{Result, bail};
 use std::path::PathBuf;
 use surfometry::measurement::CurvatureScale;
@@ -66,11 +66,11 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
     check_picture(args)?;
     let (path, style, ledger) = (args.png.clone(), MapStyle::default(), FileLedger::new(&inputs));
     let pictures = path.map(|path| Pictures { path, style, ledger });
-    let open = plan.open;
+    let (open, scale_ledger) = (plan.open, plan.scale_ledger.clone());
     let task = MeasureTask { plan, pictures, timings: args.timings };
     let control = control(inputs.len(), Voice { quiet, memory: args.verbose });
     let batch = Batch { inputs: &inputs, open, control: &control, cure };
-    write_results(&args.results, record_tables(args.explain), |sink| {
+    let status = write_results(&args.results, record_tables(args.explain), |sink| {
         let mut sigmas = SigmaRange::new(sink);
         let outcome = batch.run(&task, &mut sigmas)?;
         let automatic = !quiet && args.options.sigma_is_automatic();
@@ -81,7 +81,8 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
             ));
         }
         Ok(outcome)
-    })
+    })?;
+    Ok(with_scales(status, &scale_ledger, quiet))
 }
 
 fn check_picture(args: &Args) -> Result<()> {

@@ -5,7 +5,7 @@ use crate::console::{Voice, before_the_end, control};
 use crate::cures::cure;
 use crate::inputs::expand;
 use crate::options::{CurvatureOptions, MeasureOptions};
-use crate::output::{PageSink, check_output, say, status};
+use crate::output::{PageSink, check_output, say, status, with_scales};
 use anyhow::Result;
 use std::path::PathBuf;
 use surfometry::inputs::input_title;
@@ -39,6 +39,7 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
     let inputs = expand(&args.inputs);
     check_output(Some(&args.output), &inputs)?;
     let control = control(inputs.len(), Voice { quiet, memory: false });
+    let scale_ledger = plan.scale_ledger.clone();
     let batch = Batch { inputs: &inputs, open: plan.open, control: &control, cure };
     let title = args.title.clone().unwrap_or_else(|| match inputs.as_slice() {
         [one] => input_title(one),
@@ -52,5 +53,5 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
         say(&format!("{}: not written, for there is nothing to show", args.output.display()));
         return Ok(if outcome.stopped { status(outcome) } else { SOME_FAILED });
     }
-    Ok(status(outcome))
+    Ok(with_scales(status(outcome), &scale_ledger, quiet))
 }

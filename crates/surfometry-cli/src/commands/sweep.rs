@@ -4,7 +4,7 @@ use crate::console::{Voice, control};
 use crate::cures::cure;
 use crate::inputs::expand;
 use crate::options::{MeasureOptions, OutputOptions, Range};
-use crate::output::{check_output, sweep_tables, write_results};
+use crate::output::{check_output, sweep_tables, with_scales, write_results};
 use crate::picture_options::PictureOptions;
 use crate::values::one_of;
 use anyhow::{Result, bail};
@@ -69,6 +69,7 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
         check_output(path.as_deref(), &inputs)?;
     }
     let control = control(inputs.len(), Voice { quiet, memory: false });
+    let scale_ledger = plan.scale_ledger.clone();
     let batch = Batch { inputs: &inputs, open: plan.open, control: &control, cure };
     let chart = args.chart.clone();
     let surfaces = args.surfaces.clone();
@@ -84,7 +85,8 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
         ledger: FileLedger::new(&inputs),
     };
     task.check()?;
-    write_results(&args.results, sweep_tables(args.over), |sink| batch.run(&task, sink))
+    let status = write_results(&args.results, sweep_tables(args.over), |sink| batch.run(&task, sink))?;
+    Ok(with_scales(status, &scale_ledger, quiet))
 }
 
 fn check_picture(args: &Args, path: Option<&Path>, what: &str) -> Result<()> {

@@ -10,16 +10,17 @@ pub(crate) fn comparison_text(comparison: &Comparison) -> String {
     let mut parts = vec![format!("{method} against {standard}: {matched} objects\n")];
     let tables = [(method, &comparison.method_rows), (standard, &comparison.standard_rows)];
     parts.extend(tables.map(|(name, rows)| told_text(name, rows, *matched)));
+    parts.extend(comparison.doubts.iter().map(|doubt| format!("  {doubt}\n")));
     for measure in &comparison.measures {
         parts.push(format!("\n{}", column(&measure.column, &measure.standard_column)));
         if measure.left_out > 0 {
             parts.push(format!(" ({} objects without a value)", measure.left_out));
         }
         parts.push("\n".to_owned());
-        parts.push(match &measure.agreement {
-            Some(agreement) => agreement_text(agreement, [method, standard]),
-            None => format!("  {}\n", measure.problem.as_deref().unwrap_or_default()),
-        });
+        parts.extend(
+            measure.agreement.as_ref().map(|agreement| agreement_text(agreement, [method, standard])),
+        );
+        parts.extend(measure.problem.as_ref().map(|problem| format!("  {problem}\n")));
     }
     parts.extend(comparison.euler.iter().map(euler_text));
     parts.push(
@@ -81,7 +82,13 @@ fn estimate(e: &Estimate) -> String {
 }
 
 fn p_value(p: f64) -> String {
-    if p < 1e-4 { "< 0.0001".to_owned() } else { format!("{p:.4}") }
+    if p.is_nan() {
+        "\u{2013}".to_owned()
+    } else if p < 1e-4 {
+        "< 0.0001".to_owned()
+    } else {
+        format!("{p:.4}")
+    }
 }
 
 fn euler_text(euler: &EulerAgreement) -> String {

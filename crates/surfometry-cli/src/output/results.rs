@@ -7,7 +7,7 @@ use crate::output::say;
 use anyhow::{Context, Result, anyhow};
 use std::io::{self, ErrorKind, IsTerminal};
 use surfometry::io::ResultOutput;
-use surfometry::runs::{CsvSink, JsonLinesSink, JsonSink, Outcome, Row, Sink};
+use surfometry::runs::{CsvSink, JsonLinesSink, JsonSink, Outcome, Row, ScaleLedger, Sink};
 
 /// Runs something that hands its results to a sink, and writes them as the options say; the exit status.
 pub(crate) fn write_results<R: Row>(
@@ -48,6 +48,14 @@ pub(crate) fn write_results<R: Row>(
         }
         Ok(outcome) => Ok(status(outcome)),
     }
+}
+
+/// Tells of lengths by label what no input had, which is a failure, and what some lacked; the exit status.
+pub(crate) fn with_scales(status: u8, ledger: &ScaleLedger, quiet: bool) -> u8 {
+    let unused = ledger.unused();
+    let lacked = if quiet { Vec::new() } else { ledger.partly_used() };
+    unused.iter().chain(&lacked).for_each(|words| say(words));
+    if unused.is_empty() { status } else { status.max(crate::commands::SOME_FAILED) }
 }
 
 /// The exit status of a run.

@@ -285,7 +285,7 @@ fn shown_labels(raised: &[&(String, Flag)]) -> String {
     }
 }
 
-/// Six significant digits, without an exponent where a reader can do without.
+/// Six significant digits, without an exponent where a reader can do without; a dash for what is not defined.
 pub(crate) fn digits(value: f64) -> String {
     significant(value, 6)
 }
@@ -293,6 +293,9 @@ pub(crate) fn digits(value: f64) -> String {
 fn significant(value: f64, count: i32) -> String {
     if value == 0.0 {
         return "0".to_owned();
+    }
+    if !value.is_finite() {
+        return "\u{2013}".to_owned();
     }
     let magnitude = value.abs().log10().floor() as i32;
     if !(-4..15).contains(&magnitude) {

@@ -1,5 +1,6 @@
 //! Why tables cannot be compared.
 
+use super::Place;
 use std::path::PathBuf;
 use thiserror::Error;
 
@@ -7,6 +8,26 @@ use thiserror::Error;
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum TableError {
+    /// Not a file that can be read.
+    #[error("{path}: cannot be read: {source}; name a table (.csv, .tsv, .json, .jsonl) or a folder of tables", path = path.display())]
+    Unreadable {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: std::io::Error,
+    },
+    /// A file of bytes.
+    #[error("{path}: not read as CSV: it is no text (a spreadsheet's or an image's file); save the table as CSV in UTF-8", path = path.display())]
+    NoText {
+        /// The file.
+        path: PathBuf,
+    },
+    /// Nothing in it.
+    #[error("{path}: the file is empty; a table has a line with the names of its columns, and one for each object", path = path.display())]
+    Empty {
+        /// The file.
+        path: PathBuf,
+    },
     /// Not a table that can be read.
     #[error("{path}: not read as CSV: {source}", path = path.display())]
     Read {
@@ -14,6 +35,64 @@ pub enum TableError {
         path: PathBuf,
         /// Why.
         source: csv::Error,
+    },
+    /// A row that is longer or shorter than the header.
+    #[error("{path}: not read as CSV: line {line} has {cells} cells, but there are {columns} columns; quote cells that hold the separator, `{separator}`", path = path.display())]
+    Ragged {
+        /// The file.
+        path: PathBuf,
+        /// The line in it, from 1.
+        line: u64,
+        /// Cells in the line.
+        cells: usize,
+        /// Columns of the table.
+        columns: usize,
+        /// What stands between cells.
+        separator: char,
+    },
+    /// Columns, but no objects.
+    #[error("{path}: there are no objects in it, only the columns {columns}{}", failed_words(*failed), path = path.display())]
+    NoRows {
+        /// The file.
+        path: PathBuf,
+        /// Its columns.
+        columns: String,
+        /// Rows of inputs that failed.
+        failed: usize,
+    },
+    /// Columns of one name.
+    #[error("{path}: more than one column is called `{column}`, so it cannot be told which is meant; give each a name of its own", path = path.display())]
+    RepeatedColumn {
+        /// The file.
+        path: PathBuf,
+        /// The name.
+        column: String,
+    },
+    /// Decimal commas and points.
+    #[error(
+        "{comma}, but {point}: decimal commas and points are mixed, so numbers may be misread by 1000; write all with one decimal sign and none between thousands"
+    )]
+    MixedDecimals {
+        /// A cell with a comma.
+        comma: Box<Place>,
+        /// A cell with a point.
+        point: Box<Place>,
+    },
+    /// Signs between thousands.
+    #[error("{place}, with a sign between thousands; write numbers without")]
+    Thousands {
+        /// The cell.
+        place: Place,
+    },
+    /// No column has the labels.
+    #[error("{path}: there is no column `{wanted}` of labels; its columns are {known}", path = path.display())]
+    NoLabels {
+        /// The file.
+        path: PathBuf,
+        /// The column that was looked for.
+        wanted: String,
+        /// Those that are.
+        known: String,
     },
     /// A document that is none of ours.
     #[error("{path}: not a document of results: {why}", path = path.display())]
@@ -58,7 +137,7 @@ pub enum TableError {
         known: String,
     },
     /// A cell that is no number.
-    #[error("{path}: {object} has `{text}` in column `{column}`, which is no number", path = path.display())]
+    #[error("{path}: {object} has `{text}` in column `{column}`, which is no number; write it as 1234.5, without a unit or a sign between thousands, or leave the cell empty", path = path.display())]
     NotANumber {
         /// The file.
         path: PathBuf,
@@ -101,4 +180,8 @@ pub enum TableError {
         /// A column of the other.
         of_standard: String,
     },
+}
+
+fn failed_words(failed: usize) -> String {
+    if failed == 0 { String::new() } else { format!("; all {failed} rows are of inputs that failed") }
 }

@@ -2,7 +2,7 @@
 
 use super::table::FLAGS;
 use super::variants::AT;
-use super::{Matching, ObjectKey, Row, Table, TableError};
+use super::{ColumnPair, Matching, ObjectKey, Row, Table, TableError};
 use crate::statistics::{Agreement, Bootstrap, ConfusionMatrix, EulerRounding, Paired};
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -20,27 +20,9 @@ const MEASURES: [&str; 8] = [
     "original_surface_area",
     "original_total_mean_curvature",
 ];
+const ONE_VALUE: &str = "all values of one are the same, so neither slope nor correlation is defined";
 /// Columns with this in their name hold Euler characteristics: classes, not sizes.
 const EULER: &str = "euler_characteristic";
-
-/// A column of the method's table, and one of the standard's.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct ColumnPair {
-    /// In the method's table.
-    pub method: String,
-    /// In the standard's.
-    pub standard: String,
-}
-
-impl std::str::FromStr for ColumnPair {
-    type Err = std::convert::Infallible;
-
-    /// `NAME`, or `METHOD:STANDARD` of columns that are called differently.
-    fn from_str(text: &str) -> Result<Self, Self::Err> {
-        let (method, standard) = text.split_once(':').unwrap_or((text, text));
-        Ok(Self { method: method.to_owned(), standard: standard.to_owned() })
-    }
-}
 
 /// An object's value by both.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -65,7 +47,7 @@ pub struct MeasureAgreement {
     pub left_out: usize,
     /// What can be said; `None` where `problem` says why not.
     pub agreement: Option<Agreement>,
-    /// Why nothing can be said.
+    /// Why nothing, or not all, can be said.
     pub problem: Option<String>,
     /// All pairs.
     pub values: Vec<PairedValue>,
@@ -136,6 +118,8 @@ pub struct Comparison {
     pub only_method: Vec<ObjectKey>,
     /// Objects of the standard alone.
     pub only_standard: Vec<ObjectKey>,
+    /// Numbers that may be meant a thousand times as large, where nothing in their table tells.
+    pub doubts: Vec<String>,
     /// What the method's rows of the matched objects say of themselves.
     pub method_rows: RowsTold,
     /// What the standard's do.
@@ -173,6 +157,7 @@ pub fn compare(
         matched: matching.pairs.len(),
         only_method: matching.only_method.clone(),
         only_standard: matching.only_standard.clone(),
+        doubts: Vec::new(),
         method_rows: RowsTold::of(method, &own),
         standard_rows: RowsTold::of(standard, &others),
         measures: Vec::new(),
@@ -181,6 +166,8 @@ pub fn compare(
     for pair in columns {
         let values = values(&matching, [method, standard], &pair)?;
         let left_out = matching.pairs.len() - values.len();
+        let doubts = [method.doubt(&pair.method), standard.doubt(&pair.standard)];
+        comparison.doubts.extend(doubts.into_iter().flatten());
         if pair.method.contains(EULER) {
             comparison.euler.push(euler(pair, left_out, values));
         } else {
@@ -286,7 +273,11 @@ fn measure(pair: ColumnPair, left_out: usize, values: Vec<PairedValue>, how: Boo
         standard_column: pair.standard,
         left_out,
         agreement: pairs.as_ref().ok().map(|pairs| Agreement::of(pairs, how)),
-        problem: pairs.err().map(|error| error.to_string()),
+        problem: match &pairs {
+            Ok(pairs) if pairs.vary() => None,
+            Ok(_) => Some(ONE_VALUE.to_owned()),
+            Err(error) => Some(error.to_string()),
+        },
         values,
     }
 }

@@ -16,6 +16,9 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod column_pair;
+mod decimals;
+mod delimited;
 mod error;
 mod matching;
 mod measures;
@@ -23,10 +26,12 @@ mod sheet;
 mod table;
 mod variants;
 
+pub use column_pair::{ColumnChoice, ColumnPair};
+pub use decimals::Place;
 pub use error::TableError;
 pub use matching::Matching;
 pub(crate) use matching::by_name;
 pub use measures::{
-    COMPARE_SCHEMA, ColumnPair, Comparison, EulerAgreement, MeasureAgreement, PairedValue, RowsTold, compare,
+    COMPARE_SCHEMA, Comparison, EulerAgreement, MeasureAgreement, PairedValue, RowsTold, compare,
 };
-pub use table::{ObjectKey, Row, Table};
+pub use table::{KeyColumns, ObjectKey, Row, Table, TableFiles};

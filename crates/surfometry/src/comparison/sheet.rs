@@ -1,6 +1,7 @@
-//! Files of rows: CSV of any program, and documents of this one.
+//! Files of rows: text of any program, and documents of this one.
 
 use super::TableError;
+use super::delimited::Delimited;
 use crate::runs::flatten;
 use csv::StringRecord;
 use serde_json::{Map, Value};
@@ -10,10 +11,13 @@ use std::path::{Path, PathBuf};
 const ENDINGS: [&str; 4] = ["csv", "tsv", "json", "jsonl"];
 
 /// A file's columns and rows, as text.
+#[derive(Debug)]
 pub(super) struct Sheet {
     pub(super) path: PathBuf,
     pub(super) columns: Vec<String>,
     pub(super) records: Vec<StringRecord>,
+    /// Of text: what stands between cells, and the line of each row. A document's numbers are never in doubt.
+    pub(super) text: Option<(u8, Vec<u64>)>,
 }
 
 impl Sheet {
@@ -22,8 +26,7 @@ impl Sheet {
         if !path.is_dir() {
             return Ok(vec![Self::read(path)?]);
         }
-        let unread =
-            |source: std::io::Error| TableError::Read { path: path.to_owned(), source: source.into() };
+        let unread = |source: std::io::Error| TableError::Unreadable { path: path.to_owned(), source };
         let is_table = |file: &PathBuf| {
             ending(file).is_some_and(|ending| ENDINGS.contains(&ending.as_str())) && file.is_file()
         };
@@ -38,34 +41,23 @@ impl Sheet {
     }
 
     fn read(path: &Path) -> Result<Self, TableError> {
-        let wrong = |source: csv::Error| TableError::Read { path: path.to_owned(), source };
-        let bytes = std::fs::read(path).map_err(|e| wrong(e.into()))?;
+        let unread = |source: std::io::Error| TableError::Unreadable { path: path.to_owned(), source };
+        let bytes = std::fs::read(path).map_err(unread)?;
         if bytes.contains(&0) {
-            let error = std::io::Error::other(
-                "it is no text (a spreadsheet's or an image's file); save the table as CSV in UTF-8",
-            );
-            return Err(wrong(error.into()));
+            return Err(TableError::NoText { path: path.to_owned() });
         }
         // Units in headers are often in an encoding of their own; numbers are not.
         let text = String::from_utf8_lossy(&bytes);
         match ending(path).as_deref() {
             Some("json") => Self::of_document(path, &text),
             Some("jsonl") => Self::of_lines(path, &text),
-            _ => Self::of_csv(path, &text).map_err(wrong),
+            _ => Self::of_text(path, &text),
         }
     }
 
-    fn of_csv(path: &Path, text: &str) -> Result<Self, csv::Error> {
-        let separator = separator_of(text.lines().next().unwrap_or_default());
-        let mut reader = csv::ReaderBuilder::new().delimiter(separator).from_reader(text.as_bytes());
-        let columns = reader.headers()?.iter().map(|name| name.trim().to_owned()).collect();
-        let mut records = reader.into_records().collect::<Result<Vec<_>, _>>()?;
-        if separator == b';' {
-            for record in &mut records {
-                *record = record.iter().map(with_point).collect();
-            }
-        }
-        Ok(Self { path: path.to_owned(), columns, records })
+    fn of_text(path: &Path, text: &str) -> Result<Self, TableError> {
+        let Delimited { separator, columns, records, lines } = Delimited::read(path, text)?;
+        Ok(Self { path: path.to_owned(), columns, records, text: Some((separator, lines)) })
     }
 
     /// The `results` of a document, or the `cases` of one of `validate`.
@@ -101,26 +93,10 @@ impl Sheet {
         };
         let records =
             rows.iter().map(|row| columns.iter().map(|column| cell(row, column)).collect()).collect();
-        Self { path: path.to_owned(), columns, records }
+        Self { path: path.to_owned(), columns, records, text: None }
     }
 }
 
 fn ending(path: &Path) -> Option<String> {
     path.extension().map(|ending| ending.to_string_lossy().to_ascii_lowercase())
-}
-
-/// What stands most often between the names of a header, outside quotes; a comma where nothing does.
-fn separator_of(header: &str) -> u8 {
-    let plain: Vec<&str> = header.split('"').step_by(2).collect();
-    let count = |separator: u8| -> usize {
-        plain.iter().map(|part| part.matches(char::from(separator)).count()).sum()
-    };
-    // Of equals the last wins.
-    [b'\t', b';', b','].into_iter().max_by_key(|&separator| count(separator)).unwrap_or(b',')
-}
-
-/// A number with a decimal comma, as files with semicolons have it, with a point; anything else as it is.
-fn with_point(cell: &str) -> String {
-    let pointed = cell.replacen(',', ".", 1);
-    if pointed.trim().parse::<f64>().is_ok() { pointed } else { cell.to_owned() }
 }

@@ -1,10 +1,11 @@
 //! Tables as `measure --format csv` writes them, and any other whose rows name their objects.
 
 use super::TableError;
+use super::decimals::Decimals;
 use super::sheet::Sheet;
 use csv::StringRecord;
 use serde::Serialize;
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap, HashSet};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -91,6 +92,71 @@ pub(super) fn whole_number_text(text: &str) -> String {
     }
 }
 
+/// Which columns name the objects.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct KeyColumns {
+    /// The one of inputs.
+    pub object: String,
+    /// The one of labels; `None` for `label`, whatever its case, where there is one.
+    pub label: Option<String>,
+}
+
+impl Default for KeyColumns {
+    fn default() -> Self {
+        Self { object: "input".to_owned(), label: None }
+    }
+}
+
+/// What is in a file, or in the tables of a folder, before it is said which columns name the objects.
+///
+/// A table is CSV with commas, semicolons (and then decimal commas too) or tabs between its cells, which the
+/// header or a first line `sep=;` tells, or a document that this program writes as JSON or JSONL. Lines that
+/// begin with `#`, and lines without anything in them, are left out.
+#[derive(Debug)]
+pub struct TableFiles {
+    path: PathBuf,
+    sheets: Vec<Sheet>,
+}
+
+impl TableFiles {
+    /// Reads them.
+    ///
+    /// # Errors
+    /// [`TableError`] of what is no table.
+    pub fn read(path: &Path) -> Result<Self, TableError> {
+        Ok(Self { path: path.to_owned(), sheets: Sheet::all(path)? })
+    }
+
+    /// Whether any of them has a column.
+    pub fn has(&self, column: &str) -> bool {
+        self.sheets.iter().any(|sheet| sheet.columns.iter().any(|name| name == column))
+    }
+
+    /// All of them as one table. Where tables in a folder have no column of inputs, their files' names without
+    /// the ending are the inputs.
+    ///
+    /// Rows of inputs that failed (whose column `error` is not empty) are left out. Where an object has several
+    /// rows that a column `method` tells apart, or what a sweep went over, they become one: the columns of each
+    /// get the method's name after an `@`.
+    ///
+    /// # Errors
+    /// [`TableError`].
+    pub fn into_table(self, names: &KeyColumns) -> Result<Table, TableError> {
+        let from_folder = self.path.is_dir();
+        let mut table = Table::empty(self.path);
+        let mut failed = 0;
+        for sheet in self.sheets {
+            let by_file = from_folder && !sheet.columns.contains(&names.object);
+            failed += table.add(sheet, names, by_file)?;
+        }
+        if table.rows.is_empty() {
+            let columns = table.columns.join(", ");
+            return Err(TableError::NoRows { path: table.path, columns, failed });
+        }
+        table.with_methods_as_columns()
+    }
+}
+
 /// A table of objects.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Table {
@@ -102,14 +168,33 @@ pub struct Table {
     pub columns: Vec<String>,
     /// Its rows.
     pub rows: Vec<Row>,
+    /// The signs in its numbers, of the files with each separator.
+    pub(super) decimals: BTreeMap<u8, Decimals>,
 }
 
 impl Table {
+    /// Reads a table, or all those in a folder as one, as [`TableFiles`] has it; its column `input` names the
+    /// objects.
+    ///
+    /// # Errors
+    /// [`TableError`].
+    pub fn read(path: &Path) -> Result<Self, TableError> {
+        TableFiles::read(path)?.into_table(&KeyColumns::default())
+    }
+
+    fn empty(path: PathBuf) -> Self {
+        Self { path, files: Vec::new(), columns: Vec::new(), rows: Vec::new(), decimals: BTreeMap::new() }
+    }
+
     /// The number in a cell of a row of it; `None` of an empty cell.
     ///
     /// # Errors
-    /// [`TableError::NotANumber`].
+    /// [`TableError::NotANumber`]; [`TableError::MixedDecimals`] and [`TableError::Thousands`] where the column
+    /// is one whose numbers may be meant a thousand times as large.
     pub fn number(&self, row: &Row, column: &str) -> Result<Option<f64>, TableError> {
+        for decimals in self.decimals.values() {
+            decimals.check(column)?;
+        }
         row.number(column).map_err(|text| TableError::NotANumber {
             path: self.path.clone(),
             object: row.key.to_string(),
@@ -118,59 +203,60 @@ impl Table {
         })
     }
 
-    /// Reads a table whose column `input` names the objects; see [`read_named`](Self::read_named).
-    ///
-    /// # Errors
-    /// [`TableError`].
-    pub fn read(path: &Path) -> Result<Self, TableError> {
-        Self::read_named(path, "input")
+    /// What is assumed of a column whose numbers may all be meant a thousand times as large.
+    pub(super) fn doubt(&self, column: &str) -> Option<String> {
+        // With commas between cells points are decimal points.
+        let unsure = self.decimals.iter().filter(|(separator, _)| **separator != b',');
+        let place = unsure.map(|(_, decimals)| decimals.doubt(column)).find_map(|place| place)?;
+        Some(format!(
+            "{place}, read with a decimal sign: no number of the table tells whether thousands are meant"
+        ))
     }
 
-    /// Reads a table, or all those in a folder as one; the column `named` names the objects, or, where tables in a
-    /// folder have none, their files' names without the ending.
-    ///
-    /// A table is CSV with commas, semicolons (and then decimal commas too) or tabs between its cells, or a
-    /// document that this program writes as JSON or JSONL. Rows of inputs that failed (whose column `error`
-    /// is not empty) are left out. Where an object has several rows that a column `method` tells apart, or
-    /// what a sweep went over, they become one: the columns of each get the method's name after an `@`.
-    ///
-    /// # Errors
-    /// [`TableError`].
-    pub fn read_named(path: &Path, named: &str) -> Result<Self, TableError> {
-        let from_folder = path.is_dir();
-        let mut table =
-            Self { path: path.to_owned(), files: Vec::new(), columns: Vec::new(), rows: Vec::new() };
-        for sheet in Sheet::all(path)? {
-            let by_file = from_folder && !sheet.columns.iter().any(|column| column == named);
-            table.add(sheet, named, by_file)?;
-        }
-        Ok(table.with_methods_as_columns())
-    }
-
-    fn add(&mut self, sheet: Sheet, named: &str, by_file: bool) -> Result<(), TableError> {
-        let Sheet { path, columns, records } = sheet;
+    /// Takes a sheet's rows; says how many are of inputs that failed.
+    fn add(&mut self, sheet: Sheet, names: &KeyColumns, by_file: bool) -> Result<usize, TableError> {
+        let Sheet { path, columns, records, text } = sheet;
+        refuse_repeated(&path, &columns)?;
+        let named = names.object.as_str();
         if !by_file && !columns.iter().any(|column| column == named) {
             return Err(TableError::Unnamed { path, wanted: named.to_owned(), known: columns.join(", ") });
         }
+        let label = label_column(&path, &columns, names)?;
         let stem = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-        self.files.push(path);
-        let label = columns.iter().find(|name| name.eq_ignore_ascii_case("label") && *name != named);
         let places: Arc<HashMap<String, usize>> = Arc::new(columns.iter().cloned().zip(0..).collect());
-        for cells in records {
-            let cell = |column: &str| cell_of(&cells, &places, column);
-            if !is_missing(cell("error")) {
+        let is_name = |column: &str| [Some(named), label, Some("component")].contains(&Some(column));
+        let all = records.len();
+        let before = self.rows.len();
+        for (number, mut cells) in records.into_iter().enumerate() {
+            if !is_missing(cell_of(&cells, &places, "error")) {
                 continue;
             }
+            if let Some((separator, lines)) = &text {
+                let decimals = self.decimals.entry(*separator).or_default();
+                for (column, cell) in columns.iter().zip(&cells) {
+                    if !is_name(column) && !is_missing(cell.trim()) {
+                        decimals.see(&path, lines[number], column, cell.trim());
+                    }
+                }
+                if *separator == b';' {
+                    let converted = |(column, cell): (&String, &str)| {
+                        if column == named { cell.to_owned() } else { with_point(cell) }
+                    };
+                    cells = columns.iter().zip(&cells).map(converted).collect();
+                }
+            }
+            let cell = |column: &str| cell_of(&cells, &places, column);
             let key = ObjectKey {
                 input: if by_file { stem.clone() } else { cell(named).to_owned() },
-                label: whole_number_text(label.map_or("", |label| cell(label))),
+                label: whole_number_text(label.map_or("", cell)),
                 component: whole_number_text(cell("component")),
             };
             self.rows.push(Row::new(key, cells, &places));
         }
+        self.files.push(path);
         let new: Vec<String> = columns.into_iter().filter(|column| !self.columns.contains(column)).collect();
         self.columns.extend(new);
-        Ok(())
+        Ok(all - (self.rows.len() - before))
     }
 
     /// Columns that hold a number in any row, and are not part of an object's name.
@@ -181,4 +267,43 @@ impl Table {
         };
         self.columns.iter().map(String::as_str).filter(number).collect()
     }
+}
+
+/// The column of labels, where a table has one.
+///
+/// # Errors
+/// [`TableError::NoLabels`] where it lacks the one that was named.
+fn label_column<'a>(
+    path: &Path,
+    columns: &'a [String],
+    names: &KeyColumns,
+) -> Result<Option<&'a str>, TableError> {
+    let Some(wanted) = &names.label else {
+        let is_label = |name: &&String| name.eq_ignore_ascii_case("label") && **name != names.object;
+        return Ok(columns.iter().find(is_label).map(String::as_str));
+    };
+    let found = columns.iter().find(|name| *name == wanted).map(String::as_str);
+    found.map(Some).ok_or_else(|| TableError::NoLabels {
+        path: path.to_owned(),
+        wanted: wanted.clone(),
+        known: columns.join(", "),
+    })
+}
+
+/// Refuses a table of which two columns have one name. Columns without a name cannot be named, so they do no harm.
+///
+/// # Errors
+/// [`TableError::RepeatedColumn`].
+pub(super) fn refuse_repeated(path: &Path, columns: &[String]) -> Result<(), TableError> {
+    let mut seen = HashSet::new();
+    match columns.iter().find(|column| !column.is_empty() && !seen.insert(column.as_str())) {
+        Some(column) => Err(TableError::RepeatedColumn { path: path.to_owned(), column: column.clone() }),
+        None => Ok(()),
+    }
+}
+
+/// A number with a decimal comma, as files with semicolons have it, with a point; anything else as it is.
+fn with_point(cell: &str) -> String {
+    let pointed = cell.replacen(',', ".", 1);
+    if pointed.trim().parse::<f64>().is_ok() { pointed } else { cell.to_owned() }
 }

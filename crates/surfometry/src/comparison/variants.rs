@@ -1,6 +1,7 @@
 //! Tables with several rows of an object, a row a method, turned into tables with a row an object.
 
-use super::table::{FLAGS, ObjectKey, Row, Table, whole_number_text};
+use super::TableError;
+use super::table::{FLAGS, ObjectKey, Row, Table, refuse_repeated, whole_number_text};
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
@@ -14,22 +15,26 @@ impl Table {
     /// The same with one row an object, where a column tells its rows apart; else as it is. A column `x` of
     /// rows of methods `a` and `b` becomes `x@a` and `x@b`, and stays `x` as well where the rows of each
     /// object have the same in it.
-    pub(super) fn with_methods_as_columns(self) -> Self {
+    ///
+    /// # Errors
+    /// [`TableError::RepeatedColumn`] where there is a column of that name already.
+    pub(super) fn with_methods_as_columns(self) -> Result<Self, TableError> {
         let objects: HashSet<&ObjectKey> = self.rows.iter().map(|row| &row.key).collect();
         let repeats = objects.len() < self.rows.len();
         let telling = TELLS_APART.into_iter().find(|column| repeats && self.tells_apart(column));
         match telling {
             Some(column) => self.by(column),
-            None => self,
+            None => Ok(self),
         }
     }
 
     fn tells_apart(&self, column: &str) -> bool {
         let mut seen = HashSet::new();
-        self.rows.iter().all(|row| !row.cell(column).is_empty() && seen.insert((&row.key, row.cell(column))))
+        let variant = |row: &Row| whole_number_text(row.cell(column));
+        self.rows.iter().all(|row| !row.cell(column).is_empty() && seen.insert((&row.key, variant(row))))
     }
 
-    fn by(self, telling: &str) -> Self {
+    fn by(self, telling: &str) -> Result<Self, TableError> {
         let objects = self.objects();
         let same = |column: &&String| {
             objects.iter().all(|rows| rows.iter().all(|row| row.cell(column) == rows[0].cell(column)))
@@ -47,6 +52,7 @@ impl Table {
             variants.iter().flat_map(|variant| others.iter().map(move |column| at(column, variant)));
         let columns: Vec<String> =
             common.iter().chain(&flags).map(|&column| column.clone()).chain(of_variants).collect();
+        refuse_repeated(&self.path, &columns)?;
         let places: Arc<HashMap<String, usize>> = Arc::new(columns.iter().cloned().zip(0..).collect());
         let joined = |rows: &Vec<&Row>| {
             let of_methods = rows.iter().flat_map(|row| {
@@ -60,7 +66,7 @@ impl Table {
             Row::new(rows[0].key.clone(), cells, &places)
         };
         let rows = objects.iter().map(joined).collect();
-        Self { path: self.path.clone(), files: self.files.clone(), columns: columns.clone(), rows }
+        Ok(Self { columns: columns.clone(), rows, ..self.clone() })
     }
 
     /// The rows of each object, in the order in which the objects come.
@@ -75,6 +81,11 @@ impl Table {
             objects[place].push(row);
         }
         objects
+    }
+
+    /// Whether a name stands for a column, or for those of methods.
+    pub fn has(&self, name: &str) -> bool {
+        !self.variants_of(name).is_empty()
     }
 
     /// What a name stands for: the column, or, where there is none, those of the methods that give numbers.

@@ -109,6 +109,10 @@ impl Measurement {
         if mask.is_empty() {
             return Err(VolumeError::NothingInside.into());
         }
+        let highest = field.values().highest();
+        if highest <= 0.0 {
+            return Err(VolumeError::NothingOutside.into());
+        }
         let differences = FiniteDifferences::new(&*field, grid.spacing().mm());
         // A band of thickness t spans t |grad phi| in units of phi.
         let slope = differences.gradient_at_surface(&mask).filter(|g| g.is_finite() && *g > 0.0);
@@ -117,7 +121,6 @@ impl Measurement {
             (Some(_), None) => {}
             (None, slope) => parameters.epsilon *= slope.ok_or(MeasureError::FlatField)?,
         }
-        let highest = field.values().highest();
         if parameters.epsilon >= highest {
             return Err(MeasureError::BandAboveField { epsilon: parameters.epsilon, highest });
         }

@@ -45,16 +45,14 @@ choices!(VoxelQuantity, "voxel quantity": {
     Band = "band": "1 in the band, 0 outside",
 });
 
-/// How far the blur of a mask reaches, in units of its widest term: as far as any kernel.
-const REACH: f64 = 6.0;
-
 impl Object {
     /// A box of the image outside which phi is not negative.
     pub fn inside_region(&self) -> IndexBox {
         let profile = self.setup.parameters.profile();
         let sigmas = profile.iter().flat_map(EdgeProfile::terms).map(|(_, sigma)| *sigma);
         let widest = sigmas.fold(0.0, f64::max);
-        let reach = self.grid().spacing().mm().map(|h| 1 + libm::ceil(REACH * widest / h) as i64);
+        let reach_mm = self.setup.truncation() * widest;
+        let reach = self.grid().spacing().mm().map(|h| 1 + libm::ceil(reach_mm / h) as i64);
         self.mask.bounds().grown(reach).intersection(&self.grid().index_box())
     }
 
@@ -121,6 +119,36 @@ impl Object {
             VoxelQuantity::GaussianCurvature => curvature.gaussian_curvature,
             VoxelQuantity::Delta => density,
             VoxelQuantity::Phi | VoxelQuantity::Band => 1.0,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::measurement::{Derivatives, Measurement};
+    use crate::volume::{Grid, LabelImage};
+
+    /// Where the level is low the surface lies far outside the mask: at 1e-4 of a plane by 3.7 sigma.
+    #[test]
+    fn all_that_is_inside_is_in_the_region() {
+        let (size, spacing) = ([46, 50, 34], [1.0, 0.9, 1.5]);
+        let grid = Grid::axis_aligned(size, spacing).unwrap();
+        let all = grid.index_box();
+        let square = |[x, y, z]: [i64; 3]| -> f64 {
+            let from = [x as f64 - 22.8, y as f64 - 25.1, z as f64 - 16.7];
+            from.iter().zip(spacing).map(|(d, h)| (d * h).powi(2)).sum()
+        };
+        let places = || all.rows().flat_map(|(y, z)| (0..size[0] as i64).map(move |x| [x, y, z]));
+        let voxels: Vec<u8> = places().map(|at| u8::from(square(at) < 36.0)).collect();
+        let mask = LabelImage::from_voxels(grid, &voxels).unwrap().mask(1);
+        for derivatives in [Derivatives::Gaussian, Derivatives::Matched] {
+            let choices = Measurement::default().sigma_mm(3.0).level(1e-4).derivatives(derivatives);
+            let object = choices.prepare(mask.clone()).unwrap();
+            let (region, phi) = (object.inside_region(), object.voxel_map(VoxelQuantity::Phi, &all).unwrap());
+            let inside: Vec<[i64; 3]> = places().filter(|&at| phi.get(at) < 0.0).collect();
+            assert!(inside.iter().any(|&at| square(at) > 12.0f64.powi(2)));
+            assert!(inside.into_iter().all(|at| region.contains(at)));
         }
     }
 }

@@ -67,15 +67,19 @@ impl AgreementChart<'_> {
         let [low, high] = range;
         dashed(canvas, &axes, [[low, low], [high, high]]);
         let fit = &panel.agreement.regression;
-        let on_line = |x: f64| fit.intercept.value + fit.slope.value * x;
-        let ends = reach_of(panel.pairs.iter().map(|pair| pair.1));
-        let line: Vec<[f64; 2]> = ends.iter().map(|&x| [axes.x(x), axes.y(on_line(x))]).collect();
-        canvas.polyline(&line, FITTED, 1.6, "");
+        if fit.slope.value.is_finite() {
+            let on_line = |x: f64| fit.intercept.value + fit.slope.value * x;
+            let ends = reach_of(panel.pairs.iter().map(|pair| pair.1));
+            let line: Vec<[f64; 2]> = ends.iter().map(|&x| [axes.x(x), axes.y(on_line(x))]).collect();
+            canvas.polyline(&line, FITTED, 1.6, "");
+        }
         points(canvas, &axes, panel.pairs.iter().map(|&(method, standard)| [standard, method]));
-        let text = format!(
-            "slope {:.4}, R\u{b2} {:.4}, n {}",
-            fit.slope.value, fit.r_squared, panel.agreement.count
-        );
+        let told = |name: &str, value: f64| {
+            if value.is_finite() { format!("{name} {value:.4}, ") } else { String::new() }
+        };
+        let text = told("slope", fit.slope.value)
+            + &told("R\u{b2}", fit.r_squared)
+            + &format!("n {}", panel.agreement.count);
         canvas.text([origin[0] + 10.0, origin[1] - PLOT[1] + 14.0], SMALL, FAINT, Anchor::Start, &text);
     }
 

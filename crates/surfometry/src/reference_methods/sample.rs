@@ -9,7 +9,8 @@ use serde::{Deserialize, Serialize};
 /// image cuts, the same as the plain ones.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct SampleValues {
-    /// A without the flat faces in which the image cuts the object, each as large as the method has it.
+    /// A without the flat faces in which the image cuts the object, and their edges, as large as the method has
+    /// them; never more than A.
     pub surface_area_without_cuts_mm2: Option<f64>,
     /// Of the surface, twice the solid's, in which every corner, edge and face of voxels counts by its share
     /// in the image: those on the image's faces a half, on its edges a quarter, in its corners an eighth
@@ -30,9 +31,9 @@ impl SampleValues {
         values: &ReferenceValues,
     ) -> Self {
         let area_of = |mask: &Mask| measure(mask).surface_area_mm2.unwrap_or_default();
-        let cuts = || cut_faces(mask).map(|face| area_of_cut(area_of, mask, face)).sum::<f64>();
+        let open = |area: f64| (area - area_of_cuts(area_of, mask)).clamp(0.0, area);
         Self {
-            surface_area_without_cuts_mm2: values.surface_area_mm2.map(|area| area - cuts()),
+            surface_area_without_cuts_mm2: values.surface_area_mm2.map(open),
             euler_characteristic_edge_corrected: method.edge_corrected_euler(mask),
         }
     }
@@ -50,8 +51,11 @@ pub(crate) fn cut_areas(mask: &Mask) -> [[f64; 2]; 3] {
     areas
 }
 
-/// The faces of the image that cut an object: axis, and whether at its last slice.
-fn cut_faces(mask: &Mask) -> impl Iterator<Item = (usize, bool)> {
+/// A face of the image: axis, and whether at its last slice.
+type Face = (usize, bool);
+
+/// The faces of the image that cut an object.
+fn cut_faces(mask: &Mask) -> impl Iterator<Item = Face> {
     let (image, bounds) = (mask.grid().index_box(), mask.bounds());
     let faces = (0..3).flat_map(|axis| [(axis, false), (axis, true)]);
     faces.filter(move |_| !bounds.is_empty()).filter(move |&(axis, upper)| {
@@ -59,14 +63,47 @@ fn cut_faces(mask: &Mask) -> impl Iterator<Item = (usize, bool)> {
     })
 }
 
+/// What a method takes the area of all cuts for. The object without cuts is what is left when every axis is opened, one
+/// after the other, and each opening takes away what is in the faces of that axis: so where faces meet, what was
+/// taken away with both is given back, and at corners taken away again.
+fn area_of_cuts(area_of: impl Fn(&Mask) -> f64 + Copy, mask: &Mask) -> f64 {
+    let meeting = meeting_faces(&cut_faces(mask).collect::<Vec<_>>());
+    let signed = |faces: &Vec<Face>| {
+        let area = area_of_cut(area_of, mask, faces);
+        if faces.len() % 2 == 1 { area } else { -area }
+    };
+    meeting.iter().map(signed).sum()
+}
+
+/// Faces by themselves, and those that meet in an edge or a corner.
+fn meeting_faces(faces: &[Face]) -> Vec<Vec<Face>> {
+    let grow = |mut meeting: Vec<Vec<Face>>, face: &Face| {
+        let known = meeting.iter().filter(|others| others.iter().all(|other| other.0 != face.0));
+        let new: Vec<Vec<Face>> = known.map(|others| [&others[..], &[*face]].concat()).collect();
+        meeting.extend(new);
+        meeting
+    };
+    let all = faces.iter().fold(vec![Vec::new()], grow);
+    all.into_iter().filter(|faces| !faces.is_empty()).collect()
+}
+
 /// What a method takes the area of a cut face for: what half of the slices next to it and their mirror image
-/// has less than the slices alone. In the whole the face is not there, and the other ends are there twice.
-fn area_of_cut(area_of: impl Fn(&Mask) -> f64, mask: &Mask, (axis, upper): (usize, bool)) -> f64 {
+/// has less than the slices alone. In the whole the face is not there, and the other ends are there twice. Of
+/// faces that meet, what is lost by that in each of them, one after the other.
+fn area_of_cut(area_of: impl Fn(&Mask) -> f64, mask: &Mask, faces: &[Face]) -> f64 {
     let spacing = mask.grid().spacing();
-    let depth = libm::ceil(SEEN * spacing.geometric_mean() / spacing.mm()[axis]) as i64;
-    let region = mask.edge_slices(axis, upper, depth);
+    let next_to = |region: IndexBox, &(axis, upper): &Face| {
+        let depth = libm::ceil(SEEN * spacing.geometric_mean() / spacing.mm()[axis]) as i64;
+        region.intersection(&mask.edge_slices(axis, upper, depth))
+    };
+    let region = faces.iter().fold(mask.bounds(), next_to);
     let slices = mask.on_bounds(region);
-    area_of(&slices) - 0.5 * area_of(&slices.continued(&doubled(&region, axis, upper)))
+    let mirrored = faces.iter().fold(vec![(1.0, region)], |wholes, &(axis, upper)| {
+        let both =
+            |(share, whole): (f64, IndexBox)| [(share, whole), (-0.5 * share, doubled(&whole, axis, upper))];
+        wholes.into_iter().flat_map(both).collect()
+    });
+    mirrored.iter().map(|(share, whole)| share * area_of(&slices.continued(whole))).sum()
 }
 
 /// A box at a face of the image with its mirror image in that face.

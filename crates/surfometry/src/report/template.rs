@@ -42,7 +42,7 @@ fn environment() -> Result<Environment<'static>, Error> {
 /// As journals print it: nothing below 0.0001.
 fn p_value(value: &Value) -> String {
     let text = |p: f64| if p < 1e-4 { "< 0.0001".to_owned() } else { significant(p, 2) };
-    f64::try_from(value.clone()).map_or_else(|_| "–".to_owned(), text)
+    f64::try_from(value.clone()).ok().filter(|p| p.is_finite()).map_or_else(|| "–".to_owned(), text)
 }
 
 /// plotly.js, its bundle for surfaces in space (`scripts/plotly` fetches it).

@@ -1,6 +1,7 @@
 //! Label images of what the embeddings say: the voxels at which phi is negative.
 
 use super::{FileLedger, InputObject, Item, Opened, Plan, Reading, RunError, Task};
+use crate::accuracy::Flag;
 use crate::inputs::with_parts;
 use crate::io::write_labels;
 use crate::measurement::{Parameters, VoxelQuantity};
@@ -10,7 +11,9 @@ use std::path::PathBuf;
 
 /// Writes, for each input, the label image of the embedded objects: the voxels at which the phi of an object is
 /// negative have its label, or the first of united ones; of a field or soft segmentation they are 1. Each
-/// object is embedded as it would be measured. A voxel that several objects claim goes to the one whose phi
+/// object is embedded as the plan's measurement says, by default in its blur: [`Plan::recover`] is not regarded,
+/// for the recovering embedding gives the mask itself back. Objects of which nothing is left are failures; of
+/// an input of which nothing is left no image is written. A voxel that several objects claim goes to the one whose phi
 /// is the lowest there, for a blur the one with the largest share of the voxel, and of equals to the first;
 /// at levels from 0.5 on the plain blur leaves no such voxels.
 ///
@@ -56,6 +59,21 @@ pub struct EmbeddedObject {
     pub gained: u64,
     /// Voxels of which it is so that another object has in the image.
     pub given_up: u64,
+    /// What its measurement in this embedding would be flagged with.
+    pub flags: Vec<Flag>,
+}
+
+impl EmbedTask {
+    /// Refuses objects that share labels, whose voxels could have the value of only one; whatever the input.
+    ///
+    /// # Errors
+    /// [`RunError::SharedLabel`].
+    pub fn check(&self) -> Result<(), RunError> {
+        match self.plan.labels.shared() {
+            Some((label, [first, second])) => Err(RunError::SharedLabel { label, first, second }),
+            None => Ok(()),
+        }
+    }
 }
 
 impl Task for EmbedTask {
@@ -64,20 +82,27 @@ impl Task for EmbedTask {
     fn run(&self, input: &Opened, out: &mut dyn FnMut(Item<EmbeddedObject>)) -> Result<(), RunError> {
         let path = with_parts(&self.file, input.part.as_slice());
         self.ledger.claim(&path)?;
-        let reading = Reading::of(input, &self.plan)?;
+        self.check()?;
+        let plan = Plan { recover: false, ..self.plan.clone() };
+        let reading = Reading::of(input, &plan)?;
         let mut claims = Claims::new(*input.source.grid());
         let mut objects = Vec::new();
         for object in reading.objects() {
-            objects.push(claims.add(&object?));
+            let object = object?;
+            let found = claims.add(&object);
+            let failure = (found.inside == 0).then(|| object.failure(&RunError::NoSurface));
+            objects.push((found, failure));
             input.control.check()?;
         }
-        for (object, given_up) in objects.iter_mut().zip(claims.given_up) {
-            object.given_up = given_up;
+        if objects.iter().any(|(found, _)| found.inside > 0) {
+            let image = LabelImage::from_voxels(claims.grid, &claims.labels)?;
+            write_labels(&path, &image).map_err(|source| RunError::Write { path, source })?;
         }
-        let image = LabelImage::from_voxels(claims.grid, &claims.labels)?;
-        write_labels(&path, &image).map_err(|source| RunError::Write { path, source })?;
-        for object in objects {
-            out(Item::Row(object));
+        for ((found, failure), given_up) in objects.into_iter().zip(claims.given_up) {
+            match failure {
+                Some(failure) => input.fail(failure, out),
+                None => out(Item::Row(EmbeddedObject { given_up, ..found })),
+            }
         }
         Ok(())
     }
@@ -110,6 +135,7 @@ impl Claims {
             lost: 0,
             gained: 0,
             given_up: 0,
+            flags: object.record().measured.flags,
         };
         let value = object.label.as_ref().map_or(1, |label| label.labels()[0]);
         let region = object.object.inside_region();

@@ -54,12 +54,28 @@ pub enum RunError {
     #[error("the file changed while it was read: measure it again when it is finished")]
     Changed,
     /// A blur or thickness of what is not measured.
-    #[error("a sigma or thickness is given for label {label}, which is not among the objects: {objects}")]
+    #[error(
+        "a sigma or thickness is given for label {label}, which is not among the objects: {objects}; {cure}"
+    )]
     UnusedScale {
         /// The label, or labels.
         label: LabelGroup,
         /// The objects.
         objects: String,
+        /// What may have been meant.
+        cure: String,
+    },
+    /// Objects of one image that share a label.
+    #[error(
+        "the objects {first} and {second} share label {label}, whose voxels can have the value of only one of them in an image: name each label once, or write an image for each object"
+    )]
+    SharedLabel {
+        /// The label.
+        label: i64,
+        /// An object that has it.
+        first: LabelGroup,
+        /// The other.
+        second: LabelGroup,
     },
     /// What cannot be done with the input.
     #[error("{0}")]

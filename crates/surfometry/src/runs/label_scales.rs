@@ -39,7 +39,7 @@ impl LabelScales {
     #[must_use]
     pub fn of(&self, label: &LabelGroup, measurement: Measurement) -> Measurement {
         let own = |lengths: &[(LabelGroup, Option<f64>)]| {
-            lengths.iter().find(|(of, _)| of == label).map(|&(_, length)| length)
+            lengths.iter().find(|(of, _)| of.is_same(label)).map(|&(_, length)| length)
         };
         let sigma = own(&self.sigma_mm).map_or(measurement, |sigma| measurement.sigma_mm(sigma));
         own(&self.thickness_mm).map_or(sigma, |thickness| sigma.thickness_mm(thickness))
@@ -50,14 +50,27 @@ impl LabelScales {
     /// # Errors
     /// [`RunError::UnusedScale`].
     pub fn check(&self, objects: &[LabelGroup]) -> Result<(), RunError> {
-        match self.labels().find(|&label| !objects.contains(label)) {
-            Some(label) => Err(RunError::UnusedScale { label: label.clone(), objects: listed(objects) }),
+        match self.labels().find(|&label| !label.is_among(objects)) {
+            Some(label) => Err(RunError::UnusedScale {
+                label: label.clone(),
+                objects: listed(objects),
+                cure: cure(label, objects),
+            }),
             None => Ok(()),
         }
     }
 }
 
-fn listed(objects: &[LabelGroup]) -> String {
+/// What may have been meant.
+fn cure(label: &LabelGroup, objects: &[LabelGroup]) -> String {
+    let holds = |object: &&LabelGroup| object.labels().iter().any(|part| label.labels().contains(part));
+    match objects.iter().find(holds) {
+        Some(object) => format!("write {object}=MM"),
+        None => "name one of these, as LABEL=MM, or leave that length out".to_owned(),
+    }
+}
+
+pub(super) fn listed(objects: &[LabelGroup]) -> String {
     const SHOWN: usize = 20;
     let names: Vec<String> = objects.iter().take(SHOWN).map(ToString::to_string).collect();
     let more = objects.len().saturating_sub(SHOWN);

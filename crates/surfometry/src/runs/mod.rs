@@ -24,6 +24,7 @@ mod plan;
 mod reading;
 mod record;
 mod reference;
+mod scale_ledger;
 mod surface_record;
 #[cfg(feature = "pictures")]
 mod sweep;
@@ -52,6 +53,7 @@ pub use plan::{ExplainTopology, Plan};
 pub use reading::Reading;
 pub use record::{Failure, Record, SCHEMA};
 pub use reference::{REFERENCE_SCHEMA, ReferenceRecord, ReferenceTask};
+pub use scale_ledger::ScaleLedger;
 pub use surface_record::{MAP_SCHEMA, SurfaceRecord};
 #[cfg(feature = "pictures")]
 pub use sweep::{SweepTask, SweptParameter, SweptSurfaces};

@@ -1,6 +1,6 @@
 //! What is asked of every input of a run.
 
-use super::LabelScales;
+use super::{LabelScales, ScaleLedger};
 use crate::inputs::OpenOptions;
 use crate::measurement::{CurvatureScale, EmbeddingKind, MeasureError, Measurement};
 use crate::volume::{LabelGroup, LabelSelection};
@@ -19,6 +19,8 @@ pub struct Plan {
     pub measurement: Measurement,
     /// Blur and thickness of labels that have their own.
     pub scales: LabelScales,
+    /// Which inputs had them.
+    pub scale_ledger: ScaleLedger,
     /// What the caller knows better than the input.
     pub open: OpenOptions,
     /// Which labels.
@@ -39,6 +41,7 @@ impl Default for Plan {
         Self {
             measurement: Measurement::default(),
             scales: LabelScales::default(),
+            scale_ledger: ScaleLedger::default(),
             open: OpenOptions::default(),
             labels: LabelSelection::default(),
             curvature: CurvatureScale::default(),

@@ -53,7 +53,11 @@ impl<'a> Reading<'a> {
             _ => {
                 let image = LabelImage::from_slabs(&mut slabs)?;
                 let groups = plan.labels.resolve(&image).map_err(MeasureError::from)?;
-                plan.scales.check(&groups)?;
+                match input.part {
+                    // Of several, others may have what one lacks.
+                    Some(_) => plan.scale_ledger.note(&plan.scales, input.name, &groups),
+                    None => plan.scales.check(&groups)?,
+                }
                 let (names, truth) = (source.label_names(), source.truth());
                 Content::Labels(Box::new(Labelled { image, groups, names, truth }))
             }

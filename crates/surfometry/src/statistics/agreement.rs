@@ -23,7 +23,8 @@ impl Spread {
     }
 }
 
-/// Agreement of a method with a standard.
+/// Agreement of a method with a standard. Where all values of either are the same, lines and correlations are
+/// NaN.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Agreement {
     /// Number of pairs.
@@ -56,7 +57,11 @@ impl Agreement {
             regression: least_squares(pairs.standard(), pairs.method()),
             bland_altman: bland_altman(pairs),
             concordance: concordance(pairs),
-            intraclass: intraclass(&[pairs.method(), pairs.standard()]),
+            intraclass: if pairs.vary() {
+                intraclass(&[pairs.method(), pairs.standard()])
+            } else {
+                Intraclass::NONE
+            },
             bootstrapped_bias: bootstrap(pairs, how, Paired::mean_difference),
             bootstrapped_concordance: bootstrap(pairs, how, |sample| concordance(sample).value),
         }

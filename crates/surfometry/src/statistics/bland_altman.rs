@@ -18,7 +18,7 @@ pub struct BlandAltman {
     /// Bias -+ 1.96 standard deviations.
     pub limits: [Estimate; 2],
     /// Proportional bias: the line of the differences on the means of both methods; its slope is 0 without
-    /// one, and `slope_p_value` tells.
+    /// one, and `slope_p_value` tells. NaN where a method's or the standard's values are all the same.
     pub proportional: LinearFit,
     /// Width of the limits of agreement in % of the mean: a spread. The paper gives this number, halved or
     /// not, as "proportional bias" (-5.0 and +0.6 % there).
@@ -48,7 +48,8 @@ pub fn bland_altman(pairs: &Paired) -> BlandAltman {
         bias_percent: 100.0 * bias / mean(pairs.standard()).abs(),
         deviation,
         limits: [limit(-1.0), limit(1.0)],
-        proportional: least_squares(&means, &differences),
+        // Differences to a constant are as large as what differs from it, whatever the method.
+        proportional: if pairs.vary() { least_squares(&means, &differences) } else { LinearFit::NONE },
         limits_width_percent: 100.0 * 2.0 * 1.96 * deviation / mean(&means).abs(),
     }
 }

@@ -55,6 +55,7 @@ pub fn bootstrap(
         .into_par_iter()
         .filter_map(|place| pairs.without(place))
         .map(|sample| statistic(&sample))
+        .filter(|v| v.is_finite())
         .collect();
     let mean = super::paired::mean(&left_out);
     let power = |n: i32| left_out.iter().map(|v| (mean - v).powi(n)).sum::<f64>();

@@ -6,8 +6,11 @@ use super::{Estimate, Paired, normal_quantile};
 /// How close pairs lie to the line of equality: correlation times a penalty for shift and scale (Lin 1989,
 /// with the variance as corrected in 2000), 1 for identical values.
 ///
-/// The interval is symmetric in the inverse hyperbolic tangent.
+/// The interval is symmetric in the inverse hyperbolic tangent. NaN where either does not vary.
 pub fn concordance(pairs: &Paired) -> Estimate {
+    if !pairs.vary() {
+        return Estimate::NONE;
+    }
     let Moments { means, sums } = Moments::of(pairs.method(), pairs.standard());
     let count = pairs.count() as f64;
     let [xx, yy, xy] = sums.map(|sum| sum / count);

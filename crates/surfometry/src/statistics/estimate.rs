@@ -12,6 +12,9 @@ pub struct Estimate {
 }
 
 impl Estimate {
+    /// Where none is defined.
+    pub(super) const NONE: Self = Self { value: f64::NAN, interval: [f64::NAN; 2] };
+
     /// `value` with an interval of `half` to both sides.
     pub(super) fn symmetric(value: f64, half: f64) -> Self {
         Self { value, interval: [value - half, value + half] }

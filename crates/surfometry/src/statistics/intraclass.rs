@@ -13,6 +13,11 @@ pub struct Intraclass {
     pub consistency: Estimate,
 }
 
+impl Intraclass {
+    /// Where none is defined.
+    pub(super) const NONE: Self = Self { agreement: Estimate::NONE, consistency: Estimate::NONE };
+}
+
 /// Intraclass correlations from the two-way analysis of variance (Shrout and Fleiss 1979; intervals of McGraw
 /// and Wong 1996).
 ///

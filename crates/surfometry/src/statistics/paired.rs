@@ -2,8 +2,7 @@
 
 use thiserror::Error;
 
-/// Values of a method and of the standard on the same objects: at least three, all finite, neither all the
-/// same.
+/// Values of a method and of the standard on the same objects: at least three, all finite.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Paired {
     method: Vec<f64>,
@@ -28,9 +27,6 @@ pub enum PairError {
     /// Not a number, or infinite.
     #[error("pair {0} is not finite")]
     NotFinite(usize),
-    /// Nothing varies.
-    #[error("all values of the {0} are the same, so neither slope nor correlation is defined")]
-    Constant(&'static str),
 }
 
 impl Paired {
@@ -49,11 +45,6 @@ impl Paired {
         if let Some(bad) = method.iter().zip(&standard).position(|pair| !finite(pair)) {
             return Err(PairError::NotFinite(bad));
         }
-        for (values, name) in [(&method, "method"), (&standard, "standard")] {
-            if values.iter().all(|v| v == &values[0]) {
-                return Err(PairError::Constant(name));
-            }
-        }
         Ok(Self { method, standard })
     }
 
@@ -65,6 +56,11 @@ impl Paired {
     /// The standard's values.
     pub fn standard(&self) -> &[f64] {
         &self.standard
+    }
+
+    /// Whether both the method's and the standard's values vary, as lines and correlations need.
+    pub fn vary(&self) -> bool {
+        varies(&self.method) && varies(&self.standard)
     }
 
     /// Number of pairs.
@@ -91,17 +87,22 @@ impl Paired {
         self.pairs().map(|(m, s)| m - s).sum::<f64>() / self.count() as f64
     }
 
-    /// The pairs but one; `None` where what is left cannot be compared.
+    /// The pairs but one; `None` where what is left is too few.
     pub(super) fn without(&self, place: usize) -> Option<Self> {
         let rest = |values: &[f64]| [&values[..place], &values[place + 1..]].concat();
         Self::new(rest(&self.method), rest(&self.standard)).ok()
     }
 
-    /// The pairs at some places; `None` where they are none that can be compared.
+    /// The pairs at some places; `None` where they are too few.
     pub(super) fn chosen(&self, places: &[usize]) -> Option<Self> {
         let take = |values: &[f64]| places.iter().map(|&place| values[place]).collect();
         Self::new(take(&self.method), take(&self.standard)).ok()
     }
+}
+
+/// Whether not all values are the same, to the bit: sums of the same numbers leave rounding behind.
+pub(super) fn varies(values: &[f64]) -> bool {
+    values.iter().any(|v| v != &values[0])
 }
 
 /// Mean.

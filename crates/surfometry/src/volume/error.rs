@@ -186,6 +186,12 @@ pub enum VolumeError {
          field if yours is positive inside"
     )]
     NothingInside,
+    /// A field has no voxel above zero.
+    #[error(
+        "no voxel of the field is positive, so all of the image lies inside and there is no surface in it; surfometry takes \
+         phi < 0 as inside: check the sign, or subtract the level that is meant"
+    )]
+    NothingOutside,
     /// A label that was asked for does not occur.
     #[error("no label {missing} in the image; it holds {present}")]
     NoSuchLabel {

@@ -21,6 +21,16 @@ impl LabelGroup {
         Self(labels)
     }
 
+    /// Whether it is the same labels, in whatever order.
+    pub fn is_same(&self, other: &Self) -> bool {
+        self.0.len() == other.0.len() && self.0.iter().all(|label| other.0.contains(label))
+    }
+
+    /// Whether it is one of some objects.
+    pub fn is_among(&self, objects: &[Self]) -> bool {
+        objects.iter().any(|object| self.is_same(object))
+    }
+
     /// The labels.
     pub fn labels(&self) -> &[i64] {
         &self.0
@@ -79,6 +89,16 @@ impl LabelSelection {
     /// [`VolumeError::NoForeground`], or [`VolumeError::NoSuchLabel`] for one that does not occur.
     pub fn resolve(&self, image: &LabelImage) -> Result<Vec<LabelGroup>, VolumeError> {
         self.resolve_among(image.summaries().iter().map(|s| s.label))
+    }
+
+    /// A label that two of the groups have, with those.
+    pub fn shared(&self) -> Option<(i64, [LabelGroup; 2])> {
+        let Self::Groups(groups) = self else { return None };
+        let pairs = (0..groups.len()).flat_map(|a| groups[a + 1..].iter().map(move |b| (&groups[a], b)));
+        pairs.into_iter().find_map(|(a, b)| {
+            let shared = a.0.iter().find(|label| b.0.contains(label))?;
+            Some((*shared, [a.clone(), b.clone()]))
+        })
     }
 
     /// The groups to measure among the labels that occur, background left out.
