@@ -5,7 +5,7 @@ use crate::output::{check_output, comparison_text, deliver, json_text, say};
 use crate::values::two_names;
 use anyhow::{Context, Result, anyhow, bail};
 use std::path::{Path, PathBuf};
-use surfometry::comparison::{ColumnPair, Comparison, Table, TableError, compare};
+use surfometry::comparison::{ColumnPair, Comparison, Table, TableError, compare, names_of};
 use surfometry::report::{ComparisonPage, HashedInput, Provenance, comparison_chart, render_comparison};
 use surfometry::runs::{MapStyle, write_figure};
 use surfometry::statistics::Bootstrap;
@@ -60,7 +60,8 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
         }
     }
     let how = Bootstrap { samples: args.bootstrap as usize, ..Bootstrap::default() };
-    let comparison = compare([&method, &standard], names(args), &args.columns, how)?;
+    let names = args.names.clone().unwrap_or_else(|| names_of([&args.method, &args.standard]));
+    let comparison = compare([&method, &standard], names, &args.columns, how)?;
     if !quiet {
         let lost = comparison.only_method.len() + comparison.only_standard.len();
         if lost > 0 {
@@ -79,24 +80,6 @@ fn read(path: &str, objects: &str) -> Result<Table> {
         TableError::Unnamed { .. } => anyhow!("{error}; name the one that does with --object"),
         error => error.into(),
     })
-}
-
-/// As told; else the files' names without folders and endings, with folders where these are the same.
-fn names(args: &Args) -> [String; 2] {
-    if let Some(names) = &args.names {
-        return names.clone();
-    }
-    let stem = |path: &String| {
-        Path::new(path).file_stem().map_or_else(|| path.clone(), |stem| stem.to_string_lossy().into_owned())
-    };
-    let [method, standard] = [stem(&args.method), stem(&args.standard)];
-    if method != standard {
-        [method, standard]
-    } else if args.method != args.standard {
-        [args.method.clone(), args.standard.clone()]
-    } else {
-        ["method".to_owned(), "standard".to_owned()]
-    }
 }
 
 #[derive(Clone, Copy)]

@@ -102,3 +102,10 @@ pub enum TableError {
         of_standard: String,
     },
 }
+
+impl TableError {
+    /// Whether the system would not let the file be read.
+    pub fn is_of_file(&self) -> bool {
+        matches!(self, Self::Read { source, .. } if source.is_io_error())
+    }
+}

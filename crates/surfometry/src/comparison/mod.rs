@@ -21,6 +21,7 @@ mod matching;
 mod measures;
 mod sheet;
 mod table;
+mod table_names;
 mod variants;
 
 pub use error::TableError;
@@ -30,3 +31,4 @@ pub use measures::{
     COMPARE_SCHEMA, ColumnPair, Comparison, EulerAgreement, MeasureAgreement, PairedValue, RowsTold, compare,
 };
 pub use table::{ObjectKey, Row, Table};
+pub use table_names::names_of;

@@ -1,0 +1,1 @@
+"""Measures the surfaces of segmented 3-D objects."""
