@@ -38,6 +38,12 @@ mod _core {
     #[pymodule_export]
     const VERSION: &str = env!("CARGO_PKG_VERSION");
 
+    /// What is said of an image with so many labels.
+    #[pyfunction]
+    fn grey_image_warning(name: &str, labels: usize) -> Option<String> {
+        surfometry::inputs::grey_image_warning(name, labels)
+    }
+
     /// The command line: its exit status.
     #[pyfunction]
     fn main(py: Python, arguments: Vec<OsString>) -> u8 {
