@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from . import _core
 from ._errors import InputError, UnsupportedTypeError
-from ._image import Frame, Image, Rows, names_of, three_axes
+from ._image import Frame, Image, Rows, names_of, native, three_axes
 
 # mm in the units that images of other libraries name; what has no unit counts as mm.
 _MILLIMETRES = {
@@ -312,7 +312,11 @@ _KINDS: list[tuple[Callable[[object], bool], Callable[[Any], Image]]] = [
 ]
 
 
-def with_names(image: Image, label_names: Mapping[int, str] | None, name: str | None) -> Image:
-    """The image with names that the caller gives."""
-    names = image.label_names if label_names is None else names_of(label_names)
-    return replace(image, label_names=names, name=image.name if name is None else name)
+def readable(image: Image, label_names: Mapping[int, str] | None, name: str | None) -> Image:
+    """The image as the extension module reads it, with names that the caller gives."""
+    return replace(
+        image,
+        array=native(three_axes(image.array)),
+        label_names=image.label_names if label_names is None else names_of(label_names),
+        name=image.name if name is None else name,
+    )

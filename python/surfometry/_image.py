@@ -65,9 +65,8 @@ class Image:
 
     @property
     def voxels(self) -> NDArray[Any]:
-        """The array as (z, y, x), of a native type, without a copy where it is one."""
-        array = native(self.array)
-        return array.T if self.axes == "xyz" else array
+        """The array as (z, y, x), a view."""
+        return self.array.T if self.axes == "xyz" else self.array
 
     def given_back(self, array: NDArray[Any]) -> object:
         """An array (z, y, x) as an image of this kind, in the same place."""

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, Literal, overload
 import numpy as np
 
 from . import _core
-from ._adapters import image_of, with_names
+from ._adapters import image_of, readable
 from ._errors import InputError, ParameterError, SurfometryWarning
 from ._image import Image, names_of, spacing_words
 from ._options import Labels, Length, options_of
@@ -39,7 +39,7 @@ def _prepared(
             raise ParameterError("a file has a name, and says how its labels are called: leave name= and names= out")
         # As `read` gives it, an array (z, y, x).
         return fspath(image), options_of(spacing=spacing_words(spacing, "zyx"), **options)
-    known = with_names(image_of(image), names, name)
+    known = readable(image_of(image), names, name)
     if known.affine is None and spacing is None:
         hint = "spacing=, in mm, in the order of the array's axes"
         raise InputError(
