@@ -1,10 +1,14 @@
 //! A NumPy array as an input, where it lies: axes are (z, y, x), whatever the order in memory.
+//!
+//! The thread that measures asks the one that holds the array for slices, so that it can be left behind where a signal
+//! ends the call: it has nothing of Python's.
 
 use numpy::PyReadonlyArray3;
-use numpy::ndarray::{ArrayView3, ArrayViewMut2, Axis};
+use numpy::ndarray::{ArrayView3, ArrayViewMut3, Axis};
 use pyo3::prelude::*;
-use rayon::prelude::*;
 use std::collections::BTreeMap;
+use std::sync::mpsc::{Sender, channel};
+use surfometry::Stopped;
 use surfometry::inputs::{HeaderFacts, InputError, Slabs, Source};
 use surfometry::volume::{Grid, Samples, Slab, SlabReader, VolumeError, slices_a_slab};
 
@@ -48,20 +52,20 @@ macro_rules! voxel_types {
                 [nx, ny, nz]
             }
 
-            fn type_name(&self) -> &'static str {
+            pub(crate) fn type_name(&self) -> &'static str {
                 match self {
                     $(Self::$variant(_) => $name,)+
                 }
             }
 
-            fn bytes_a_voxel(&self) -> usize {
+            pub(crate) fn bytes_a_voxel(&self) -> usize {
                 match self {
                     $(Self::$variant(_) => size_of::<$type>(),)+
                 }
             }
 
             /// Whole slices, x fastest.
-            fn slices(&self, first: usize, last: usize) -> Result<Samples, VolumeError> {
+            pub(crate) fn slices(&self, first: usize, last: usize) -> Result<Samples, VolumeError> {
                 match self {
                     $(Self::$variant(voxels) => {
                         let part = voxels.slice_axis(Axis(0), (first..last).into());
@@ -87,31 +91,41 @@ voxel_types! {
     F64: f64 = "float64", F64 of f64;
 }
 
-/// Voxels with x fastest, gathered in parallel where they lie otherwise.
-fn in_order<T: Sync, S: Clone + Default + Send>(
+/// Voxels with x fastest.
+fn in_order<T, S: Clone + Default>(
     part: &ArrayView3<T>,
-    stored: impl Fn(&T) -> S + Sync,
+    stored: impl Fn(&T) -> S,
 ) -> Result<Vec<S>, VolumeError> {
     let (nz, ny, nx) = part.dim();
     let mut values = Vec::new();
     values.try_reserve_exact(part.len()).map_err(|_| VolumeError::TooLarge { dimensions: [nx, ny, nz] })?;
     values.resize(part.len(), S::default());
-    values.par_chunks_mut(nx * ny).enumerate().for_each(|(z, slice)| {
-        if let Ok(mut slice) = ArrayViewMut2::from_shape((ny, nx), slice) {
-            slice.zip_mut_with(&part.index_axis(Axis(0), z), |to, from| *to = stored(from));
-        }
-    });
+    if let Ok(mut all) = ArrayViewMut3::from_shape((nz, ny, nx), &mut values) {
+        all.zip_mut_with(part, |to, from| *to = stored(from));
+    }
     Ok(values)
 }
 
-/// An array, and what is known of it.
-pub(crate) struct ArraySource<'a> {
-    pub(crate) grid: Grid,
-    pub(crate) voxels: Voxels<'a>,
-    pub(crate) label_names: BTreeMap<i64, String>,
+/// Slices that are asked for, and where they go.
+pub(crate) struct SlicesWanted {
+    pub(crate) first: usize,
+    pub(crate) last: usize,
+    pub(crate) reply: Sender<Result<Samples, VolumeError>>,
 }
 
-impl Source for ArraySource<'_> {
+/// Asks whoever holds the array; false where nobody does any more.
+pub(crate) type Ask = Box<dyn Fn(SlicesWanted) -> bool + Send + Sync>;
+
+/// An array that another thread holds, and what is known of it.
+pub(crate) struct ArraySource {
+    pub(crate) grid: Grid,
+    pub(crate) type_name: &'static str,
+    pub(crate) bytes_a_voxel: usize,
+    pub(crate) label_names: BTreeMap<i64, String>,
+    pub(crate) ask: Ask,
+}
+
+impl Source for ArraySource {
     fn grid(&self) -> &Grid {
         &self.grid
     }
@@ -121,7 +135,7 @@ impl Source for ArraySource<'_> {
     }
 
     fn header(&self) -> HeaderFacts {
-        HeaderFacts { format: "array", voxel_type: self.voxels.type_name() }
+        HeaderFacts { format: "array", voxel_type: self.type_name }
     }
 
     fn label_names(&self) -> BTreeMap<i64, String> {
@@ -129,12 +143,12 @@ impl Source for ArraySource<'_> {
     }
 }
 
-struct ArraySlabs<'s, 'a> {
-    source: &'s ArraySource<'a>,
+struct ArraySlabs<'s> {
+    source: &'s ArraySource,
     next: usize,
 }
 
-impl SlabReader for ArraySlabs<'_, '_> {
+impl SlabReader for ArraySlabs<'_> {
     type Error = InputError;
 
     fn grid(&self) -> &Grid {
@@ -142,13 +156,18 @@ impl SlabReader for ArraySlabs<'_, '_> {
     }
 
     fn next_slab(&mut self) -> Result<Option<Slab>, InputError> {
-        let (voxels, dimensions) = (&self.source.voxels, self.source.grid.dimensions());
+        let dimensions = self.source.grid.dimensions();
         let first = self.next;
         if first == dimensions[2] {
             return Ok(None);
         }
-        let last = (first + slices_a_slab(dimensions, voxels.bytes_a_voxel())).min(dimensions[2]);
+        let last = (first + slices_a_slab(dimensions, self.source.bytes_a_voxel)).min(dimensions[2]);
         self.next = last;
-        Ok(Some(Slab { slices: first..last, samples: voxels.slices(first, last)? }))
+        let (reply, answer) = channel();
+        if !(self.source.ask)(SlicesWanted { first, last, reply }) {
+            return Err(Stopped.into());
+        }
+        let samples = answer.recv().map_err(|_| Stopped)??;
+        Ok(Some(Slab { slices: first..last, samples }))
     }
 }

@@ -1,6 +1,7 @@
 //! What Python hands over to be measured.
 
-use crate::array_source::{ArraySource, Borrowed, Voxels};
+use crate::array_source::{ArraySource, Ask, Borrowed, Voxels};
+use crate::errors::Name;
 use crate::options::Options;
 use crate::session::Session;
 use pyo3::prelude::*;
@@ -48,14 +49,17 @@ pub(crate) enum Held<'py> {
     },
 }
 
-/// An input that can be given to another thread.
-pub(crate) enum Prepared<'a> {
-    Name(&'a str),
+/// An input for another thread, which has nothing of Python's.
+pub(crate) enum Prepared {
+    Name(String),
     Image {
-        voxels: Voxels<'a>,
+        dimensions: [usize; 3],
+        type_name: &'static str,
+        bytes_a_voxel: usize,
         affine: Option<Affine>,
-        name: &'a str,
-        label_names: &'a BTreeMap<i64, String>,
+        name: String,
+        label_names: BTreeMap<i64, String>,
+        ask: Ask,
     },
 }
 
@@ -75,37 +79,54 @@ impl<'py> Input<'py> {
 }
 
 impl Held<'_> {
-    /// The same for another thread, as long as it is held.
-    pub(crate) fn prepared(&self) -> Prepared<'_> {
+    /// What its results are called.
+    pub(crate) fn name(&self) -> Name<'_> {
         match self {
-            Self::Name(name) => Prepared::Name(name),
+            Self::Name(name) => Name { name, is_in_memory: false },
+            Self::Image { name, .. } => Name { name, is_in_memory: true },
+        }
+    }
+
+    /// The voxels of an image in memory.
+    pub(crate) fn voxels(&self) -> Option<Voxels<'_>> {
+        match self {
+            Self::Name(_) => None,
+            Self::Image { borrowed, .. } => Some(borrowed.voxels()),
+        }
+    }
+
+    /// The same for another thread, which asks for its voxels.
+    pub(crate) fn prepared(&self, ask: Ask) -> Prepared {
+        match self {
+            Self::Name(name) => Prepared::Name(name.clone()),
             Self::Image { borrowed, affine, name, label_names } => {
-                Prepared::Image { voxels: borrowed.voxels(), affine: *affine, name, label_names }
+                let voxels = borrowed.voxels();
+                Prepared::Image {
+                    dimensions: voxels.dimensions(),
+                    type_name: voxels.type_name(),
+                    bytes_a_voxel: voxels.bytes_a_voxel(),
+                    affine: *affine,
+                    name: name.clone(),
+                    label_names: label_names.clone(),
+                    ask,
+                }
             }
         }
     }
 }
 
-impl<'a> Prepared<'a> {
-    /// What its results are called.
-    pub(crate) fn name(&self) -> &'a str {
+impl Prepared {
+    /// Opens it; its name, and the source.
+    pub(crate) fn opened(self, options: &OpenOptions) -> Result<(String, Box<dyn Source>), InputError> {
         match self {
-            Self::Name(name) | Self::Image { name, .. } => name,
-        }
-    }
-
-    /// Whether it is an image in memory.
-    pub(crate) fn is_in_memory(&self) -> bool {
-        matches!(self, Self::Image { .. })
-    }
-
-    /// Opens it.
-    pub(crate) fn source(self, options: &OpenOptions) -> Result<Box<dyn Source + 'a>, InputError> {
-        match self {
-            Self::Name(name) => Ok(open(name, options)?),
-            Self::Image { voxels, affine, label_names, .. } => {
-                let grid = Grid::of_known(voxels.dimensions(), affine, options.spacing)?;
-                Ok(Box::new(ArraySource { grid, voxels, label_names: label_names.clone() }))
+            Self::Name(name) => {
+                let source = open(&name, options)?;
+                Ok((name, source))
+            }
+            Self::Image { dimensions, type_name, bytes_a_voxel, affine, name, label_names, ask } => {
+                let grid = Grid::of_known(dimensions, affine, options.spacing)?;
+                let source = ArraySource { grid, type_name, bytes_a_voxel, label_names, ask };
+                Ok((name, Box::new(source)))
             }
         }
     }

@@ -1,12 +1,12 @@
 //! Objects to records.
 
-use crate::errors::Name;
 use crate::input::Request;
 use crate::options::{chosen, plan, wrong};
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use serde::Serialize;
 use serde_json::{Map, Value, json};
+use surfometry::inputs::OpenOptions;
 use surfometry::measurement::CurvatureScale;
 use surfometry::reference_methods::{METHODS, ReferenceMethod};
 use surfometry::runs::{
@@ -16,18 +16,15 @@ use surfometry::runs::{
 use surfometry::volume::VolumeError;
 
 /// Runs a task on one input; what comes of it.
-pub(crate) fn collected<T: Task>(
+pub(crate) fn collected<T: Task<Row: 'static> + Send + 'static>(
     py: Python,
     Request { image, session, .. }: Request,
-    plan: &Plan,
-    task: &T,
+    open: OpenOptions,
+    task: T,
 ) -> PyResult<Collected<T::Row>> {
-    let held = image.held()?;
-    let prepared = held.prepared();
-    let name = prepared.name();
-    let named = Name { name, is_in_memory: prepared.is_in_memory() };
-    session.run(py, named, move |control| {
-        let input = Opened { name, part: None, source: prepared.source(&plan.open)?, control };
+    session.run(py, &image.held()?, move |control, prepared| {
+        let (name, source) = prepared.opened(&open)?;
+        let input = Opened { name: &name, part: None, source, control };
         let mut found = Collected::default();
         task.run(&input, &mut |item| {
             // Keeping what comes cannot fail.
@@ -36,6 +33,8 @@ pub(crate) fn collected<T: Task>(
                 Item::Failure(failure) => found.failure(failure),
             };
         })?;
+        // What a stopped run hands out is not all there is.
+        control.check()?;
         Ok(found)
     })
 }
@@ -47,7 +46,7 @@ pub(crate) fn text(value: &impl Serialize) -> PyResult<String> {
 fn records_of(py: Python, request: Request) -> PyResult<Vec<Record>> {
     let plan = plan(py, &request.options, CurvatureScale::AsMeasured)?;
     let task = MeasureTask { plan, ..MeasureTask::default() };
-    Ok(collected(py, request, &task.plan, &task)?.results)
+    Ok(collected(py, request, task.plan.open, task)?.results)
 }
 
 /// Records of all objects, as JSON.
@@ -83,7 +82,7 @@ pub(crate) fn sweep(py: Python, request: Request, over: &str, values: Vec<f64>) 
         ledger: FileLedger::new(&[]),
     };
     task.check().map_err(|error| crate::errors::of_run(py, None, &error))?;
-    let found = collected(py, request, &task.plan, &task)?;
+    let found = collected(py, request, task.plan.open, task)?;
     text(&json!({ "results": found.results, "failures": found.failures }))
 }
 
@@ -98,14 +97,14 @@ pub(crate) fn reference(py: Python, request: Request, methods: Vec<String>) -> P
         |method: &&&dyn ReferenceMethod| methods.is_empty() || methods.iter().any(|m| m == method.name());
     let methods = METHODS.iter().filter(is_asked).copied().collect();
     let task = ReferenceTask { plan: plan(py, &request.options, CurvatureScale::AsMeasured)?, methods };
-    text(&collected(py, request, &task.plan, &task)?.results)
+    text(&collected(py, request, task.plan.open, task)?.results)
 }
 
 /// What an input holds, as JSON.
 #[pyfunction]
 pub(crate) fn describe(py: Python, request: Request) -> PyResult<String> {
     let plan = plan(py, &request.options, CurvatureScale::AsMeasured)?;
-    let found = collected(py, request, &plan, &InfoTask)?;
+    let found = collected(py, request, plan.open, InfoTask)?;
     text(&found.results.first())
 }
 

@@ -27,3 +27,8 @@ pub(crate) fn pool(threads: usize) -> Result<Arc<ThreadPool>, ThreadPoolBuildErr
     *kept = Some(Owned { process, pool: Arc::clone(&pool) });
     Ok(pool)
 }
+
+/// Gives the threads up: what they do is not waited for, and the next call gets others.
+pub(crate) fn leave_behind() {
+    POOL.lock().unwrap_or_else(PoisonError::into_inner).take();
+}

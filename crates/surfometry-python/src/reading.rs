@@ -1,7 +1,6 @@
 //! Inputs as arrays.
 
-use crate::errors::Name;
-use crate::input::rows_of_affine;
+use crate::input::{Held, rows_of_affine};
 use crate::options::{Options, choices};
 use crate::session::Session;
 use numpy::ndarray::Array;
@@ -9,7 +8,7 @@ use numpy::{Element, IntoPyArray};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use serde_json::json;
-use surfometry::inputs::{InputError, OpenOptions, Source, open};
+use surfometry::inputs::{InputError, OpenOptions, Source};
 use surfometry::runs::RunError;
 use surfometry::volume::{Affine, Samples};
 use surfometry::{Control, Stopped};
@@ -23,8 +22,8 @@ pub(crate) fn read<'py>(
     session: Session,
 ) -> PyResult<Bound<'py, PyDict>> {
     let open_options = OpenOptions { spacing: choices(py, &options)?.spacing.map(|spacing| spacing.mm()) };
-    let (source, samples) = session.run(py, Name { name, is_in_memory: false }, |control| {
-        let source = open(name, &open_options)?;
+    let (source, samples) = session.run(py, &Held::Name(name.to_owned()), move |control, prepared| {
+        let (_, source) = prepared.opened(&open_options)?;
         let samples = all_samples(&*source, control)?;
         Ok::<_, RunError>((source, samples))
     })?;

@@ -1,6 +1,5 @@
 //! A page.
 
-use crate::errors::Name;
 use crate::input::Request;
 use crate::measured::no_object;
 use crate::options::{curvature, plan};
@@ -24,13 +23,10 @@ pub(crate) fn report(
 ) -> PyResult<()> {
     let Request { image, options, session } = request;
     let plan = plan(py, &options, curvature(py, curvature_sigma)?)?;
-    let held = image.held()?;
-    let prepared = held.prepared();
-    let name = prepared.name();
-    let named = Name { name, is_in_memory: prepared.is_in_memory() };
-    session.run(py, named, move |control| {
-        let input = Opened { name, part: None, source: prepared.source(&plan.open)?, control };
-        let title = title.unwrap_or_else(|| input_title(name));
+    session.run(py, &image.held()?, move |control, prepared| {
+        let (name, source) = prepared.opened(&plan.open)?;
+        let input = Opened { name: &name, part: None, source, control };
+        let title = title.unwrap_or_else(|| input_title(&name));
         let (mut objects, mut sources, mut failures) = (Vec::new(), Vec::new(), Vec::new());
         surfometry::runs::Task::run(&ReportTask::new(plan), &input, &mut |item| match item {
             Item::Row(ReportPart::Object(object)) => objects.push(*object),

@@ -25,7 +25,7 @@ pub(crate) fn surface<'py>(
 ) -> PyResult<Vec<Bound<'py, PyDict>>> {
     let plan = plan(py, &request.options, curvature(py, curvature_sigma)?)?;
     let task = SurfaceTask { plan: Plan { recover: false, ..plan } };
-    let found = collected(py, request, &task.plan, &task)?;
+    let found = collected(py, request, task.plan.open, task)?;
     found.results.into_iter().map(|mapped| as_arrays(py, mapped)).collect()
 }
 
@@ -71,12 +71,12 @@ pub(crate) fn voxel_maps<'py>(
     let named = |name: &String| chosen::<VoxelQuantity>(py, "quantities", name);
     let quantities = quantities.iter().map(named).collect::<PyResult<Vec<_>>>()?;
     let plan = plan(py, &request.options, curvature(py, curvature_sigma)?)?;
-    let task = VoxelMapTask { plan: Plan { recover: false, ..plan }, quantities };
-    let found = collected(py, request, &task.plan, &task)?;
+    let task = VoxelMapTask { plan: Plan { recover: false, ..plan }, quantities: quantities.clone() };
+    let found = collected(py, request, task.plan.open, task)?;
     let as_arrays = |maps: surfometry::runs::VoxelMaps| {
         let [nx, ny, nz] = maps.record.measured.grid.dimensions;
         let (given, arrays) = (PyDict::new(py), PyDict::new(py));
-        for (quantity, values) in task.quantities.iter().zip(maps.maps) {
+        for (quantity, values) in quantities.iter().zip(maps.maps) {
             let array = Array::from_shape_vec((nz, ny, nx), values)
                 .map_err(|e| pyo3::exceptions::PyRuntimeError::new_err(e.to_string()))?;
             arrays.set_item(quantity.name(), array.into_pyarray(py))?;
