@@ -47,8 +47,8 @@ def threads_of(threads: int | None) -> int:
     if threads is not None:
         return min(_count("threads", threads), cores)
     for variable in _VARIABLES:
-        # RAYON_NUM_THREADS=0 stands for all, as rayon has it.
-        if os.environ.get(variable, "0") != "0":
+        # 0 stands for all, as rayon has it.
+        if os.environ.get(variable) not in (None, "", "0"):
             return min(_count(variable, os.environ[variable]), cores)
     return cores
 

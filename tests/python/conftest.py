@@ -63,4 +63,10 @@ def oblique_directions():
     return np.eye(3) + np.sin(0.8) * cross + (1 - np.cos(0.8)) * cross @ cross
 
 
+def gyroid(size):
+    """A network of period 25 voxels, cut by the edge."""
+    z, y, x = np.mgrid[:size, :size, :size].astype(np.float32) / 4
+    return np.sin(x) * np.cos(y) + np.sin(y) * np.cos(z) + np.sin(z) * np.cos(x) < 0
+
+
 ORIGIN = np.array([-120.5, 33.25, 870.0])

@@ -19,7 +19,7 @@ PHANTOMS = [
     "phantom:shell?radius=9&inner=5",
     "phantom:rounded-box?rotate=10,20,30",
     "phantom:two-balls",
-    "phantom:gyroid?period=24&size=24",
+    "phantom:genus?genus=2",
 ]
 
 

@@ -8,7 +8,6 @@ use numpy::ndarray::Array;
 use numpy::{IntoPyArray, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use std::collections::BTreeMap;
 use std::path::PathBuf;
 use surfometry::io::{MeshDocument, write_mesh as write};
 use surfometry::measurement::VoxelQuantity;
@@ -94,7 +93,8 @@ pub(crate) struct MeshInput<'py> {
     vertices: PyReadonlyArray2<'py, f64>,
     faces: PyReadonlyArray2<'py, u32>,
     colors: PyReadonlyArray2<'py, u8>,
-    arrays: BTreeMap<String, Values<'py>>,
+    /// In the order in which they are written.
+    arrays: Bound<'py, PyDict>,
     title: String,
 }
 
@@ -108,14 +108,14 @@ pub(crate) enum Values<'py> {
 /// Writes a mesh with its arrays, in the format that the name's ending says; the files' names.
 #[pyfunction]
 pub(crate) fn write_mesh(py: Python, path: PathBuf, mesh: MeshInput) -> PyResult<Vec<PathBuf>> {
-    let array = |(name, values): (&String, &Values)| {
-        let values = match values {
+    let array = |(name, values): (Bound<PyAny>, Bound<PyAny>)| {
+        let values = match values.extract::<Values>()? {
             Values::Scalar(values) => VertexValues::Scalar(values.as_array().to_vec()),
             Values::Vector(values) => VertexValues::Vector(triples(&values.as_array())),
         };
-        VertexArray { name: name.clone().into(), values }
+        Ok(VertexArray { name: name.extract::<String>()?.into(), values })
     };
-    let arrays: Vec<VertexArray> = mesh.arrays.iter().map(array).collect();
+    let arrays = mesh.arrays.iter().map(array).collect::<PyResult<Vec<_>>>()?;
     let colors = triples(&mesh.colors.as_array());
     let colors = (!colors.is_empty()).then_some(colors);
     let triangles =
