@@ -278,7 +278,8 @@ def _millimetres(unit: object) -> float:
 
 
 def _lps_swapped(affine: NDArray[Any]) -> NDArray[Any]:
-    return np.diag([-1.0, -1.0, 1.0, 1.0])[: len(affine), : len(affine)] @ affine
+    turned: NDArray[Any] = np.diag([-1.0, -1.0, 1.0, 1.0]) @ affine
+    return turned
 
 
 def _rows(affine: NDArray[Any]) -> Rows:

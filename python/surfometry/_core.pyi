@@ -7,6 +7,24 @@ from typing import Any, Protocol
 from numpy import float64, uint8, uint32
 from numpy.typing import NDArray
 
+__all__ = [
+    "VERSION",
+    "grey_image_warning",
+    "main",
+    "measure",
+    "measure_columns",
+    "sweep",
+    "reference",
+    "describe",
+    "surface",
+    "voxel_maps",
+    "write_mesh",
+    "read",
+    "report",
+    "compare",
+    "affine_of_directions",
+]
+
 VERSION: str
 
 class _Image(Protocol):

@@ -16,7 +16,7 @@ Axes: TypeAlias = Literal["zyx", "xyz"]
 #: The frame of world coordinates; ``own`` is whatever the image says.
 Frame: TypeAlias = Literal["RAS", "LPS", "own"]
 #: Rows of a matrix from index (x, y, z) to world, mm.
-Rows: TypeAlias = "list[list[float]]"
+Rows: TypeAlias = list[list[float]]
 
 
 def _same(array: NDArray[Any]) -> object:
@@ -81,7 +81,7 @@ def spacing_words(spacing: float | Sequence[float] | None, axes: Axes) -> list[f
     if spacing is None:
         return None
     try:
-        lengths = np.broadcast_to(np.asarray(spacing, dtype=float), 3).tolist()
+        lengths = [float(length) for length in np.broadcast_to(np.asarray(spacing, dtype=float), 3)]
     except (TypeError, ValueError) as error:
         message = f"spacing={spacing!r}: three numbers in mm, in the order of the array's axes, or one for all"
         raise ParameterError(message, field="spacing") from error

@@ -8,7 +8,7 @@ import tempfile
 from collections.abc import Mapping, Sequence
 from os import PathLike, fspath
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, overload
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -144,7 +144,7 @@ def measure(
     (1.0, 2.0)
     """
     known, options = _prepared(image, spacing, _chosen(locals()), names, name)
-    with session(threads, progress, one_object=True) as running:
+    with session(threads, progress, one_object=label is None) as running:
         records = json.loads(_core.measure(Request(known, options, running)))
     if len(records) != 1:
         raise several_objects(len(records))
@@ -153,10 +153,6 @@ def measure(
     return measured
 
 
-@overload
-def measure_labels(image: object, *args: Any, as_frame: Literal[False], **kwargs: Any) -> dict[str, list[Any]]: ...
-@overload
-def measure_labels(image: object, *args: Any, as_frame: Literal[True] = ..., **kwargs: Any) -> pandas.DataFrame: ...
 def measure_labels(
     image: object,
     spacing: float | Sequence[float] | None = None,
@@ -180,7 +176,7 @@ def measure_labels(
     as_frame: bool = True,
     threads: int | None = None,
     progress: Progress = None,
-) -> pandas.DataFrame | dict[str, list[Any]]:
+) -> Any:
     """Measures every label of an image, or every piece of each.
 
     Parameters
@@ -228,7 +224,7 @@ def _frame(columns: dict[str, list[Any]]) -> pandas.DataFrame:
         import pandas
     except ImportError as error:
         raise ImportError("a data frame wants pandas: pip install pandas, or as_frame=False") from error
-    frame = pandas.DataFrame(columns)
+    frame: pandas.DataFrame = pandas.DataFrame(columns)
     for name in frame.columns:
         values = columns[name]
         if all(value is None or isinstance(value, (int, float)) and not isinstance(value, bool) for value in values):
@@ -370,7 +366,7 @@ def surface(
         As of `measure`, and where nothing is left inside.
     """
     known, options = _prepared(image, spacing, _chosen(locals()), name=name)
-    with session(threads, progress, one_object=True) as running:
+    with session(threads, progress, one_object=label is None) as running:
         found = _core.surface(Request(known, options, running), _scale(curvature_sigma))
     if len(found) != 1:
         raise several_objects(len(found))
@@ -426,7 +422,7 @@ def voxel_maps(
     """
     asked = [quantities] if isinstance(quantities, str) else list(quantities)
     known, options = _prepared(image, spacing, _chosen(locals()), name=name)
-    with session(threads, progress, one_object=True) as running:
+    with session(threads, progress, one_object=label is None) as running:
         found = _core.voxel_maps(Request(known, options, running), _scale(curvature_sigma), asked)
     if len(found) != 1:
         raise several_objects(len(found))
@@ -546,15 +542,15 @@ def compare(
         For tables that cannot be read or have nothing in common.
     """
     with tempfile.TemporaryDirectory() as folder:
-        paths = [_table(table, Path(folder) / name) for table, name in ((method, "method.csv"), (standard, "standard.csv"))]
-        document: dict[str, Any] = json.loads(_core.compare(*paths, list(columns), object, names, bootstrap))
+        ours, theirs = _table(method, Path(folder) / "method.csv"), _table(standard, Path(folder) / "standard.csv")
+        document: dict[str, Any] = json.loads(_core.compare(ours, theirs, list(columns), object, names, bootstrap))
     return document
 
 
 def _table(table: Any, path: Path) -> str:
     """The table's file: a frame is written to one."""
     if not hasattr(table, "to_csv"):
-        return fspath(table)
+        return str(fspath(table))
     table.drop(columns="index", errors="ignore").to_csv(path, index=False)
     return str(path)
 

@@ -8,11 +8,11 @@ from typing import TypeAlias
 from ._errors import ParameterError
 
 #: A label, or labels that are one object.
-LabelKey: TypeAlias = "int | str | tuple[int, ...]"
+LabelKey: TypeAlias = int | str | tuple[int, ...]
 #: Labels: one, several (each an object), united ones in a tuple, or words such as ``"1,2+3"``.
-Labels: TypeAlias = "LabelKey | Sequence[LabelKey]"
+Labels: TypeAlias = LabelKey | Sequence[LabelKey]
 #: A length in mm, ``"auto"``, or lengths of labels of their own; those of all others under ``"all"``.
-Length: TypeAlias = "float | str | Mapping[LabelKey, float | str]"
+Length: TypeAlias = float | str | Mapping[LabelKey, float | str]
 
 
 def options_of(**arguments: object) -> dict[str, str]:

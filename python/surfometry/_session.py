@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from ._image import Image
 
 #: ``True`` for a bar of tqdm, or a function that is called with (text, so much, of so much).
-Progress: TypeAlias = "bool | Callable[[str, int, int], None] | None"
+Progress: TypeAlias = bool | Callable[[str, int, int], None] | None
 _VARIABLES = ("SURFOMETRY_NUM_THREADS", "RAYON_NUM_THREADS")
 
 

@@ -64,7 +64,8 @@ class Surface:
         """The surface as `pyvista.PolyData`, with its arrays as point data."""
         import pyvista
 
-        mesh = pyvista.PolyData.from_regular_faces(self.vertices, self.faces.astype(np.int64))
+        faces: Any = self.faces.astype(np.int64)
+        mesh: pyvista.PolyData = pyvista.PolyData.from_regular_faces(self.vertices, faces)
         for name, values in self.arrays.items():
             mesh.point_data[name] = values
         mesh.set_active_scalars("mean_curvature_per_mm")
@@ -74,7 +75,7 @@ class Surface:
         """The surface as `trimesh.Trimesh`, with its arrays as vertex attributes and no vertices merged."""
         import trimesh
 
-        attributes = {name: values for name, values in self.arrays.items() if name != "normal"}
+        attributes: dict[str, Any] = {name: values for name, values in self.arrays.items() if name != "normal"}
         return trimesh.Trimesh(
             self.vertices,
             self.faces,

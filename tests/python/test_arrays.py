@@ -100,6 +100,13 @@ def test_refusals(request, made, spacing, error, words):
         surfometry.measure(made(turned_body()), spacing, label=label)
 
 
+def test_one_label_of_several():
+    two = turned_body() * np.where(np.arange(38) > 20, 2, 1)
+    parts = [surfometry.measure(two, SPACING, label=label).to_dict()["voxels"]["count"] for label in (1, 2, (1, 2))]
+    assert parts[0] + parts[1] == parts[2] == np.count_nonzero(two)
+    assert surfometry.surface(two, SPACING, label=2).measurement.label == 2
+
+
 def test_large_arrays_are_not_copied():
     # 192 MiB as one byte a voxel: what is made beside the array is small against it.
     array = np.zeros((512, 640, 600), dtype=bool)
