@@ -1,11 +1,11 @@
 //! What a person sees of a run on stderr: a bar where that is a terminal, failures, notes; and Ctrl-C.
 
-use crate::inputs::grey_image_warning;
 use crate::output::say;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::IsTerminal;
 use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
+use surfometry::inputs::grey_image_warning;
 use surfometry::{Control, Event};
 
 /// How much is said.

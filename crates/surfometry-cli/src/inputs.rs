@@ -8,15 +8,6 @@ pub(crate) fn expand(inputs: &[String]) -> Vec<String> {
     inputs.iter().flat_map(|input| matches(input).unwrap_or_else(|| vec![input.clone()])).collect()
 }
 
-/// Labels beyond which a file is more likely a grey image.
-const MANY_LABELS: usize = 1000;
-
-/// Says so, before an hour goes by.
-pub(crate) fn grey_image_warning(input: &str, labels: usize) -> Option<String> {
-    (labels > MANY_LABELS)
-        .then(|| format!("{input}: {labels} labels; if this is a grey image, threshold it first"))
-}
-
 fn matches(input: &str) -> Option<Vec<String>> {
     let is_pattern = input.contains(['*', '?', '[']);
     if !is_pattern || Phantom::is_spec(input) || Path::new(input).exists() {

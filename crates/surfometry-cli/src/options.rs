@@ -1,78 +1,16 @@
 //! Options of a measurement, as typed, and what they mean.
 
-use crate::values::{number, one_of, positive};
+use crate::values::one_of;
 use anyhow::Result;
 use clap::{Args, ValueEnum};
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
-use std::str::FromStr;
-use surfometry::Measurement;
 use surfometry::inputs::OpenOptions;
 use surfometry::integrals::{QuadratureRule, Smearing};
 use surfometry::measurement::{Clip, CurvatureScale, Derivatives, EmbeddingKind, Padding};
-use surfometry::runs::{LabelScales, Plan, SweptParameter};
-use surfometry::volume::{LabelGroup, LabelSelection, Spacing};
-
-/// A length in mm, or `auto`.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum Length {
-    Auto,
-    Mm(f64),
-}
-
-impl Length {
-    fn mm(self) -> Option<f64> {
-        match self {
-            Self::Auto => None,
-            Self::Mm(mm) => Some(mm),
-        }
-    }
-}
-
-/// A length for all objects, lengths of labels of their own, or both: `2,20=1.5,21=auto`.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) struct LengthByLabel {
-    of_all: Option<Length>,
-    of_labels: Vec<(LabelGroup, Length)>,
-}
-
-impl LengthByLabel {
-    fn own(&self) -> Vec<(LabelGroup, Option<f64>)> {
-        self.of_labels.iter().map(|(label, length)| (label.clone(), length.mm())).collect()
-    }
-}
-
-impl FromStr for LengthByLabel {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        let mut lengths = Self { of_all: None, of_labels: Vec::new() };
-        for part in text.split(',') {
-            match part.split_once('=') {
-                None if lengths.of_all.is_some() => {
-                    return Err("one length is for all labels; write the others as LABEL=MM".to_owned());
-                }
-                None => lengths.of_all = Some(length(part)?),
-                Some((label, mm)) => {
-                    let label = one_label(label)?;
-                    if lengths.of_labels.iter().any(|(known, _)| known.is_same(&label)) {
-                        return Err(format!("label {label} has two lengths"));
-                    }
-                    lengths.of_labels.push((label, length(mm)?));
-                }
-            }
-        }
-        Ok(lengths)
-    }
-}
-
-/// `N`, or `N+M` of united labels.
-fn one_label(text: &str) -> Result<LabelGroup, String> {
-    match text.parse::<LabelSelection>().map_err(|error| error.to_string())? {
-        LabelSelection::Groups(groups) if groups.len() == 1 => Ok(groups[0].clone()),
-        _ => Err(format!("`{text}`: name one label, or united ones as 1+2")),
-    }
-}
+use surfometry::runs::words::{curvature_scale, fraction, padding, positive, spacing};
+use surfometry::runs::{Choices, Lengths, Plan, SweptParameter};
+use surfometry::volume::{LabelSelection, Spacing};
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum OutputFormat {
@@ -118,7 +56,7 @@ pub(crate) struct CurvatureOptions {
     /// blur in mm; auto = what suits the object's curvature and the spacing; local = what suits each vertex, in
     /// the embedding that gives the object back. Integrals keep --sigma [default:
     /// the surface as measured]
-    #[arg(long, value_name = "MM|auto|local", value_parser = scale, allow_hyphen_values = true)]
+    #[arg(long, value_name = "MM|auto|local", value_parser = curvature_scale, allow_hyphen_values = true)]
     curvature_sigma: Option<CurvatureScale>,
 }
 
@@ -154,10 +92,10 @@ pub(crate) struct MeasureOptions {
     selection: InputSelection,
     /// Blur in mm [default: auto = 2 x the geometric mean of the spacings]; LABEL=MM is that of a label, as 2,20=1.5,21=auto
     #[arg(long, value_name = "MM|auto|LABEL=MM,..", allow_hyphen_values = true)]
-    sigma: Option<LengthByLabel>,
+    sigma: Option<Lengths>,
     /// Thickness of the band in mm [default: auto = 2.5 x the largest spacing]; by label as --sigma
     #[arg(long, value_name = "MM|auto|LABEL=MM,..", allow_hyphen_values = true)]
-    thickness: Option<LengthByLabel>,
+    thickness: Option<Lengths>,
     /// Half-width of the delta in units of the field, instead of a thickness
     #[arg(long, conflicts_with = "thickness", value_parser = positive, allow_hyphen_values = true)]
     epsilon: Option<f64>,
@@ -194,44 +132,25 @@ pub(crate) struct MeasureOptions {
 impl MeasureOptions {
     /// The plan that the options describe, checked.
     pub(crate) fn plan(&self, curvature: CurvatureScale) -> Result<Plan> {
-        let recover = self.embedding.is_none();
-        let own =
-            |lengths: &Option<LengthByLabel>| lengths.as_ref().map_or_else(Vec::new, LengthByLabel::own);
-        let scales = LabelScales { sigma_mm: own(&self.sigma), thickness_mm: own(&self.thickness) };
-        let measurement = self.measurement();
-        let plan = Plan { measurement, scales, curvature, recover, ..self.selection.plan() };
-        plan.check()?;
-        if let LabelSelection::Groups(objects) = &plan.labels {
-            plan.scales.check(objects)?;
-        }
-        Ok(plan)
+        Ok(self.choices().plan(curvature)?)
     }
 
-    fn measurement(&self) -> Measurement {
-        let mut m = if self.paper { Measurement::paper() } else { Measurement::default() };
-        m = m.embedding(self.embedding.unwrap_or_default()).clip(self.clip).padding(self.padding);
-        if let Some(sigma) = self.sigma.as_ref().and_then(|lengths| lengths.of_all) {
-            m = m.sigma_mm(sigma.mm());
+    fn choices(&self) -> Choices {
+        Choices {
+            labels: self.selection.label.clone(),
+            spacing: self.selection.spacing,
+            sigma: self.sigma.clone().unwrap_or_default(),
+            thickness: self.thickness.clone().unwrap_or_default(),
+            epsilon: self.epsilon,
+            level: self.level,
+            embedding: self.embedding,
+            derivatives: self.derivatives,
+            quadrature: self.quadrature,
+            delta: self.delta,
+            clip: self.clip,
+            padding: self.padding,
+            paper: self.paper,
         }
-        if let Some(thickness) = self.thickness.as_ref().and_then(|lengths| lengths.of_all) {
-            m = m.thickness_mm(thickness.mm());
-        }
-        if let Some(epsilon) = self.epsilon {
-            m = m.thickness_mm(None).epsilon(epsilon);
-        }
-        if let Some(level) = self.level {
-            m = m.level(level);
-        }
-        if let Some(derivatives) = self.derivatives {
-            m = m.derivatives(derivatives);
-        }
-        if let Some(quadrature) = self.quadrature {
-            m = m.quadrature(quadrature);
-        }
-        if let Some(delta) = self.delta {
-            m = m.delta(delta);
-        }
-        m
     }
 
     /// Whether a parameter that is to be swept was given.
@@ -245,39 +164,8 @@ impl MeasureOptions {
 
     /// Whether sigma follows each image's spacing.
     pub(crate) fn sigma_is_automatic(&self) -> bool {
-        let is_explicit =
-            |s: &LengthByLabel| matches!(s.of_all, Some(Length::Mm(_))) || !s.of_labels.is_empty();
-        let explicit = self.sigma.as_ref().is_some_and(is_explicit);
-        self.embedding.unwrap_or_default().is_blur() && !explicit && !(self.paper && self.sigma.is_none())
+        self.choices().sigma_is_automatic()
     }
-}
-
-fn fraction(text: &str) -> Result<f64, String> {
-    let value = number(text)?;
-    if value > 0.0 && value < 1.0 { Ok(value) } else { Err("it must lie between 0 and 1".to_owned()) }
-}
-
-fn length(text: &str) -> Result<Length, String> {
-    if text == "auto" { Ok(Length::Auto) } else { positive(text).map(Length::Mm) }
-}
-
-fn padding(text: &str) -> Result<Padding, String> {
-    if text == "auto" { Ok(Padding::Highest) } else { positive(text).map(Padding::Constant) }
-}
-
-pub(crate) fn scale(text: &str) -> Result<CurvatureScale, String> {
-    match text {
-        "auto" => Ok(CurvatureScale::Auto),
-        "local" => Ok(CurvatureScale::Local),
-        _ => positive(text).map(CurvatureScale::Mm),
-    }
-}
-
-pub(crate) fn spacing(text: &str) -> Result<Spacing, String> {
-    let parts = text.split(',').map(number).collect::<Result<Vec<_>, _>>()?;
-    let mm: [f64; 3] =
-        parts.try_into().map_err(|_| "write three numbers, X,Y,Z in mm, fastest axis first".to_owned())?;
-    Spacing::new(mm).map_err(|e| e.to_string())
 }
 
 /// Values from one to another.

@@ -1,9 +1,10 @@
 //! Options of pictures and colours, as typed, and what they mean.
 
-use crate::values::{one_of, positive};
+use crate::values::one_of;
 use clap::Args;
 use surfometry::pictures::{PictureKind, PictureStyle, View};
 use surfometry::runs::MapStyle;
+use surfometry::runs::words::positive;
 use surfometry::surface::LocalQuantity;
 
 /// What colours and pictures show.

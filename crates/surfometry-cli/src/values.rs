@@ -9,21 +9,6 @@ pub(crate) fn one_of<T: Choice>() -> impl TypedValueParser<Value = T> {
     PossibleValuesParser::new(values).map(|text| T::of_word(&text).expect("the parser let it pass"))
 }
 
-/// A length, a radius.
-pub(crate) fn positive(text: &str) -> Result<f64, String> {
-    let value = number(text)?;
-    if value.is_finite() && value > 0.0 {
-        Ok(value)
-    } else {
-        Err("it must be positive and finite".to_owned())
-    }
-}
-
-/// Any number.
-pub(crate) fn number(text: &str) -> Result<f64, String> {
-    text.trim().parse().map_err(|_| format!("`{text}` is not a number"))
-}
-
 /// Two names with a comma between.
 pub(crate) fn two_names(text: &str) -> Result<[String; 2], String> {
     let (method, standard) = text.split_once(',').ok_or("write two names with a comma between them")?;

@@ -270,7 +270,7 @@ fn arrays_are_the_contracts() {
     let mask = mask(&phantom(Torus { major: 15.0, minor: 6.0 }, poses()[0], [1.0; 3]));
     let surface = Measurement::default().prepare(&mask).unwrap().surface();
     let arrays = surface.arrays();
-    let names: Vec<&str> = arrays.iter().map(|a| a.name).collect();
+    let names: Vec<&str> = arrays.iter().map(|a| a.name.as_ref()).collect();
     let expected = [
         "normal",
         "mean_curvature_per_mm",

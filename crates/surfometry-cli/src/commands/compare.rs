@@ -6,8 +6,8 @@ use crate::values::two_names;
 use anyhow::{Context, Result, anyhow, bail};
 use std::path::{Path, PathBuf};
 use surfometry::comparison::{
-    ColumnChoice, ColumnPair, Comparison, KeyColumns, MeasureAgreement, Table, TableError, TableFiles,
-    compare,
+    ColumnChoice, Comparison, MeasureAgreement, Table, TableError, chosen_columns, compare, names_of,
+    read_tables,
 };
 use surfometry::pictures::Figure;
 use surfometry::report::{ComparisonPage, HashedInput, Provenance, comparison_chart, render_comparison};
@@ -67,9 +67,9 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
         }
     }
     let how = Bootstrap { samples: args.bootstrap as usize, ..Bootstrap::default() };
-    let meant = |choice| meant(choice, |name| method.has(name), |name| standard.has(name));
-    let columns = args.columns.iter().map(meant).collect::<Result<Vec<_>>>()?;
-    let comparison = compare([&method, &standard], names(args), &columns, how)?;
+    let columns = chosen_columns([&method, &standard], &args.columns)?;
+    let names = args.names.clone().unwrap_or_else(|| names_of([&args.method, &args.standard]));
+    let comparison = compare([&method, &standard], names, &columns, how)?;
     if !quiet {
         let lost = comparison.only_method.len() + comparison.only_standard.len();
         if lost > 0 {
@@ -87,53 +87,11 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
 }
 
 fn tables(args: &Args) -> Result<[Table; 2]> {
-    let [method, standard] = [&args.method, &args.standard].map(|path| TableFiles::read(Path::new(path)));
-    let [method, standard] = [method?, standard?];
-    let meant = |choice| meant(choice, |name| method.has(name), |name| standard.has(name));
-    let object = meant(&args.object)?;
-    let label = args.label.as_ref().map(meant).transpose()?;
-    let [of_method, of_standard] = label.map_or([None, None], |l| [Some(l.method), Some(l.standard)]);
-    Ok([
-        table(method, &KeyColumns { object: object.method, label: of_method })?,
-        table(standard, &KeyColumns { object: object.standard, label: of_standard })?,
-    ])
-}
-
-fn table(files: TableFiles, names: &KeyColumns) -> Result<Table> {
-    files.into_table(names).map_err(|error| match error {
+    let paths = [&args.method, &args.standard].map(Path::new);
+    read_tables(paths, &args.object, args.label.as_ref()).map_err(|error| match error {
         TableError::Unnamed { .. } => anyhow!("{error}; name the one that does with --object"),
         error => error.into(),
     })
-}
-
-fn meant(
-    choice: &ColumnChoice,
-    of_method: impl Fn(&str) -> bool,
-    of_standard: impl Fn(&str) -> bool,
-) -> Result<ColumnPair> {
-    choice.resolve(of_method, of_standard).map_err(|readings| {
-        let told = |pair: &ColumnPair| format!("`{}` against `{}`", pair.method, pair.standard);
-        let readings: Vec<String> = readings.iter().map(told).collect();
-        anyhow!("`{choice}` may be {}; rename a column", readings.join(" or "))
-    })
-}
-
-/// As told; else the files' names without folders and endings, with folders where these are the same.
-fn names(args: &Args) -> [String; 2] {
-    if let Some(names) = &args.names {
-        return names.clone();
-    }
-    let stem = |path: &String| {
-        Path::new(path).file_stem().map_or_else(|| path.clone(), |stem| stem.to_string_lossy().into_owned())
-    };
-    let [method, standard] = [stem(&args.method), stem(&args.standard)];
-    if method != standard {
-        [method, standard]
-    } else if args.method != args.standard {
-        [args.method.clone(), args.standard.clone()]
-    } else {
-        ["method".to_owned(), "standard".to_owned()]
-    }
 }
 
 #[derive(Clone, Copy)]

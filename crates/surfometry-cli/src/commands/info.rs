@@ -3,13 +3,13 @@
 use crate::console::{Voice, control};
 use crate::cures::cure;
 use crate::inputs::expand;
-use crate::options::spacing;
 use crate::output::{deliver, description_text, json_text, status};
 use anyhow::Result;
 use serde_json::{Value, json};
 use std::io;
 use surfometry::inputs::OpenOptions;
 use surfometry::io::{ImageHeader, read_header};
+use surfometry::runs::words::spacing;
 use surfometry::runs::{Batch, Failure, InfoTask, InputDescription, Sink};
 use surfometry::volume::Spacing;
 

@@ -2,14 +2,14 @@
 
 use super::ALL_DONE;
 use crate::console::progress_bar;
-use crate::options::scale;
 use crate::output::{check_output, deliver, json_text, rivalry_table, validation_table};
-use crate::values::{one_of, positive};
+use crate::values::one_of;
 use anyhow::{Result, bail};
 use clap::ValueEnum;
 use serde_json::{Value, json};
 use std::path::PathBuf;
 use surfometry::measurement::CurvatureScale;
+use surfometry::runs::words::{WordError, curvature_scale, positive};
 use surfometry::runs::write_zoo;
 use surfometry::validation::{CaseResult, MadeCase, Noise, Validation, Zoo, against, summarise};
 
@@ -73,17 +73,17 @@ const MOST_POSES: i64 = 10_000;
 const MOST_RESOLUTION: f64 = 200.0;
 
 fn resolution(text: &str) -> Result<f64, String> {
-    let value = positive(text)?;
+    let value = positive(text).map_err(|error: WordError| error.to_string())?;
     if value <= MOST_RESOLUTION { Ok(value) } else { Err(format!("at most {MOST_RESOLUTION} voxels")) }
 }
 
 fn automatic(text: &str) -> Result<CurvatureScale, String> {
-    let automatic = scale(text).ok().filter(|scale| !matches!(scale, CurvatureScale::Mm(_)));
+    let automatic = curvature_scale(text).ok().filter(|scale| !matches!(scale, CurvatureScale::Mm(_)));
     automatic.ok_or_else(|| "it must be auto or local".to_owned())
 }
 
 fn ratio(text: &str) -> Result<f64, String> {
-    let value = positive(text)?;
+    let value = positive(text).map_err(|error: WordError| error.to_string())?;
     if (1.0..=10.0).contains(&value) { Ok(value) } else { Err("it must lie between 1 and 10".to_owned()) }
 }
 

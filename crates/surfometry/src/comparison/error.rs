@@ -168,6 +168,14 @@ pub enum TableError {
         /// The other.
         standard: PathBuf,
     },
+    /// A choice of columns that can be read in several ways.
+    #[error("`{choice}` may be {readings}; rename a column")]
+    Ambiguous {
+        /// What was chosen.
+        choice: String,
+        /// The ways.
+        readings: String,
+    },
     /// Columns of several methods, none of which is in both.
     #[error("{method} has `{of_method}` and {standard} `{of_standard}` by several methods each, none of them the same: name one of each", method = method.display(), standard = standard.display())]
     OtherVariants {
@@ -184,4 +192,12 @@ pub enum TableError {
 
 fn failed_words(failed: usize) -> String {
     if failed == 0 { String::new() } else { format!("; all {failed} rows are of inputs that failed") }
+}
+
+impl TableError {
+    /// Whether the system would not let the file be read.
+    pub fn is_of_file(&self) -> bool {
+        matches!(self, Self::Unreadable { .. })
+            || matches!(self, Self::Read { source, .. } if source.is_io_error())
+    }
 }

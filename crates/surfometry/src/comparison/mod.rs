@@ -16,6 +16,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod chosen;
 mod column_pair;
 mod decimals;
 mod delimited;
@@ -24,8 +25,10 @@ mod matching;
 mod measures;
 mod sheet;
 mod table;
+mod table_names;
 mod variants;
 
+pub use chosen::{chosen_columns, read_tables};
 pub use column_pair::{ColumnChoice, ColumnPair};
 pub use decimals::Place;
 pub use error::TableError;
@@ -35,3 +38,4 @@ pub use measures::{
     COMPARE_SCHEMA, Comparison, EulerAgreement, MeasureAgreement, PairedValue, RowsTold, compare,
 };
 pub use table::{KeyColumns, ObjectKey, Row, Table, TableFiles};
+pub use table_names::names_of;

@@ -12,7 +12,7 @@ mod slabs;
 
 pub use error::InputError;
 pub(crate) use names::split;
-pub use names::{distinct_parts, input_title, with_parts};
+pub use names::{distinct_parts, grey_image_warning, input_title, with_parts};
 
 use crate::accuracy::Flag;
 use crate::phantoms::{Phantom, Truth};

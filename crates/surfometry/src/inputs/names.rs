@@ -23,6 +23,15 @@ pub fn input_title(input: &str) -> String {
     }
 }
 
+/// Labels beyond which an image is more likely a grey one.
+const MANY_LABELS: usize = 1000;
+
+/// Says so of an input with so many labels, before an hour goes by.
+pub fn grey_image_warning(input: &str, labels: usize) -> Option<String> {
+    (labels > MANY_LABELS)
+        .then(|| format!("{input}: {labels} labels; if this is a grey image, threshold it first"))
+}
+
 /// A file's name without folders and ending, for use in other names; of a phantom, its shape's.
 fn input_stem(input: &str) -> String {
     if let Some(phantom) = input.strip_prefix("phantom:") {

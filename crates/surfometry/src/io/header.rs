@@ -172,23 +172,10 @@ impl ImageHeader {
     /// # Errors
     /// [`VolumeError`] for a missing or impossible spacing, a sheared affine or an impossible size.
     pub fn grid(&self, spacing: Option<[f64; 3]>) -> Result<Grid, VolumeError> {
-        let affine = match (self.affine, spacing) {
-            (None, None) => return Err(VolumeError::MissingSpacing),
-            (Some(affine), None) => {
-                self.stated_spacing.map(Spacing::new).transpose()?;
-                affine
-            }
-            (None, Some(spacing)) => Affine::diagonal(Spacing::new(spacing)?.mm()),
-            (Some(affine), Some(spacing)) => {
-                let spacing = Spacing::new(spacing)?.mm();
-                if affine.is_finite() && Spacing::new(affine.column_lengths()).is_ok() {
-                    affine.with_spacing(spacing)
-                } else {
-                    Affine::diagonal(spacing)
-                }
-            }
-        };
-        Grid::new(self.dimensions, affine)
+        if self.affine.is_some() && spacing.is_none() {
+            self.stated_spacing.map(Spacing::new).transpose()?;
+        }
+        Grid::of_known(self.dimensions, self.affine, spacing)
     }
 }
 

@@ -56,7 +56,7 @@ pub struct Opened<'a> {
     /// What tells names of its files from those of other inputs; `None` where it is the only one.
     pub part: Option<&'a str>,
     /// The input.
-    pub source: Box<dyn Source>,
+    pub source: Box<dyn Source + 'a>,
     /// Who hears of the run's progress and may stop it.
     pub control: &'a Control,
 }

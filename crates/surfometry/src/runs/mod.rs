@@ -2,8 +2,10 @@
 //! [`Sink`] for each place where results go. Every front end is a face of these.
 
 mod batch;
+mod choices;
 mod cohort_files;
 mod columns;
+mod cure;
 mod document;
 mod embed;
 mod error;
@@ -11,6 +13,7 @@ mod file_ledger;
 mod flatten;
 mod info;
 mod label_scales;
+mod lengths;
 #[cfg(feature = "pictures")]
 mod map;
 #[cfg(feature = "pictures")]
@@ -26,13 +29,19 @@ mod record;
 mod reference;
 mod scale_ledger;
 mod surface_record;
+mod surface_task;
 #[cfg(feature = "pictures")]
 mod sweep;
 #[cfg(feature = "pictures")]
 mod sweep_chart;
+mod table_columns;
+mod voxel_map_task;
+pub mod words;
 
 pub use batch::{Batch, Collected, Item, Opened, Outcome, Sink, Task};
+pub use choices::Choices;
 pub use cohort_files::{CohortFile, write_cohort, write_zoo};
+pub use cure::Cure;
 pub use document::{CsvSink, JsonLinesSink, JsonSink, Row};
 pub use embed::{EmbedTask, EmbeddedObject};
 pub use error::RunError;
@@ -40,6 +49,7 @@ pub use file_ledger::FileLedger;
 pub use flatten::flatten;
 pub use info::{AffineDescription, InfoTask, InputDescription, LabelDescription};
 pub use label_scales::LabelScales;
+pub use lengths::{Length, Lengths};
 #[cfg(feature = "pictures")]
 pub use map::MapTask;
 #[cfg(feature = "pictures")]
@@ -55,6 +65,7 @@ pub use record::{Failure, Record, SCHEMA};
 pub use reference::{REFERENCE_SCHEMA, ReferenceRecord, ReferenceTask};
 pub use scale_ledger::ScaleLedger;
 pub use surface_record::{MAP_SCHEMA, SurfaceRecord};
+pub use surface_task::{MappedSurface, SurfaceTask};
 #[cfg(feature = "pictures")]
 pub use sweep::{SweepTask, SweptParameter, SweptSurfaces};
 #[cfg(feature = "pictures")]
@@ -63,3 +74,6 @@ pub use sweep_chart::SweepChart;
 pub(crate) use sweep_chart::sweep_panels;
 #[cfg(feature = "pictures")]
 use sweep_chart::write_sweep_chart;
+pub use table_columns::table_columns;
+pub use voxel_map_task::{VoxelMapTask, VoxelMaps};
+pub use words::WordError;

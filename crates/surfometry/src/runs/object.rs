@@ -76,6 +76,12 @@ impl InputObject {
         self.surface.get_or_init(|| self.local().surface())
     }
 
+    /// Its surface, of which nothing else is wanted any more.
+    pub fn into_surface(mut self) -> Surface {
+        self.surface();
+        self.surface.take().unwrap_or_default()
+    }
+
     /// What is said where something of it could not be had: with its label, where there are several.
     pub fn failure(&self, error: &impl std::fmt::Display) -> Failure {
         match &self.label {

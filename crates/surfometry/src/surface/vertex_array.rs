@@ -1,10 +1,12 @@
 //! Named values at the vertices of a mesh.
 
+use std::borrow::Cow;
+
 /// One value or vector at every vertex. Names and units are those of the contract, the same in every format.
 #[derive(Debug, Clone, PartialEq)]
 pub struct VertexArray {
     /// Name, which ends in the unit where there is one: `mean_curvature_per_mm`.
-    pub name: &'static str,
+    pub name: Cow<'static, str>,
     /// The values.
     pub values: VertexValues,
 }

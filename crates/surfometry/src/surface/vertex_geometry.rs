@@ -90,12 +90,12 @@ impl VertexGeometry {
     /// Named columns of many vertices. A number that any vertex lacks is left out.
     pub fn arrays(vertices: &[Self]) -> Vec<VertexArray> {
         let vector = |(name, value): DirectionArray| VertexArray {
-            name,
+            name: name.into(),
             values: VertexValues::Vector(vertices.iter().map(value).collect()),
         };
         let scalar = |quantity: LocalQuantity| {
             let values = VertexValues::Scalar(quantity.of_all(vertices)?);
-            Some(VertexArray { name: quantity.name(), values })
+            Some(VertexArray { name: quantity.name().into(), values })
         };
         let [normal, directions @ ..] = DIRECTION_ARRAYS.map(vector);
         let mut arrays: Vec<VertexArray> = LocalQuantity::ALL.iter().copied().filter_map(scalar).collect();
@@ -105,11 +105,14 @@ impl VertexGeometry {
         arrays.extend(ERROR_ARRAYS.into_iter().filter_map(|(name, error)| {
             let values =
                 vertices.iter().map(|v| v.errors.map(|e| f64::from(error(&e)))).collect::<Option<_>>()?;
-            Some(VertexArray { name, values: VertexValues::Scalar(values) })
+            Some(VertexArray { name: name.into(), values: VertexValues::Scalar(values) })
         }));
         let sigmas: Option<Vec<f64>> = vertices.iter().map(|v| v.curvature_sigma.map(f64::from)).collect();
         if let Some(sigmas) = sigmas.filter(|sigmas| !sigmas.is_empty()) {
-            arrays.push(VertexArray { name: "curvature_sigma_mm", values: VertexValues::Scalar(sigmas) });
+            arrays.push(VertexArray {
+                name: "curvature_sigma_mm".into(),
+                values: VertexValues::Scalar(sigmas),
+            });
         }
         arrays
     }

@@ -66,6 +66,31 @@ impl Grid {
         Self::new(dimensions, Affine::diagonal(spacing))
     }
 
+    /// Of an image that knows its affine or not, with the spacing, mm, of a caller who knows better.
+    ///
+    /// # Errors
+    /// As of [`Grid::new`], and [`VolumeError::MissingSpacing`] where neither is known.
+    pub fn of_known(
+        dimensions: [usize; 3],
+        affine: Option<Affine>,
+        spacing: Option<[f64; 3]>,
+    ) -> Result<Self, VolumeError> {
+        let affine = match (affine, spacing) {
+            (None, None) => return Err(VolumeError::MissingSpacing),
+            (Some(affine), None) => affine,
+            (None, Some(spacing)) => Affine::diagonal(Spacing::new(spacing)?.mm()),
+            (Some(affine), Some(spacing)) => {
+                let spacing = Spacing::new(spacing)?.mm();
+                if affine.is_finite() && Spacing::new(affine.column_lengths()).is_ok() {
+                    affine.with_spacing(spacing)
+                } else {
+                    Affine::diagonal(spacing)
+                }
+            }
+        };
+        Self::new(dimensions, affine)
+    }
+
     /// Voxels along x, y, z.
     pub fn dimensions(&self) -> [usize; 3] {
         self.dimensions

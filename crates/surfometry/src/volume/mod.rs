@@ -43,8 +43,6 @@ pub(crate) use samples::collected;
 pub use samples::{Samples, Scalar, ScalarType};
 pub use selection::{LabelGroup, LabelSelection, ParseSelectionError};
 pub use shared::Shared;
-#[cfg(feature = "io")]
-pub(crate) use slab::slices_a_slab;
-pub use slab::{Slab, SlabReader};
+pub use slab::{Slab, SlabReader, slices_a_slab};
 pub(crate) use slab::{check_made, made_slab};
 pub use spacing::Spacing;

@@ -91,7 +91,7 @@ const MOST_SLICES: usize = 1 << 12;
 
 /// Slices a slab should hold so that it stays near 8 MiB: large enough to share its slices among threads,
 /// small against any image.
-pub(crate) fn slices_a_slab(dimensions: [usize; 3], bytes_a_voxel: usize) -> usize {
+pub fn slices_a_slab(dimensions: [usize; 3], bytes_a_voxel: usize) -> usize {
     let slice = dimensions[0] * dimensions[1] * bytes_a_voxel;
     ((8 << 20) / slice.max(1)).clamp(1, MOST_SLICES).min(dimensions[2])
 }

@@ -100,8 +100,8 @@ impl<'a> MeshDocument<'a> {
         check_finite("the mesh's vertices", self.mesh.vertices.as_flattened(), 3)?;
         for array in self.arrays {
             let (values, components) = flat(array);
-            check_length(array.name, values.len() / components, vertices)?;
-            check_finite(array.name, values, components)?;
+            check_length(&array.name, values.len() / components, vertices)?;
+            check_finite(&array.name, values, components)?;
         }
         self.colors.map_or(Ok(()), |colors| check_length("the colours", colors.len(), vertices))
     }

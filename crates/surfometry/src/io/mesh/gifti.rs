@@ -33,7 +33,7 @@ pub(super) fn write_files(path: &Path, document: &MeshDocument<'_>) -> io::Resul
     for (components, intent, path) in
         [(1, "NIFTI_INTENT_SHAPE", scalars), (3, "NIFTI_INTENT_VECTOR", vectors)]
     {
-        let arrays = document.arrays.iter().map(|array| (array.name, flat(array)));
+        let arrays = document.arrays.iter().map(|array| (array.name.as_ref(), flat(array)));
         let arrays = arrays.filter(|(_, (_, n))| *n == components).map(|(name, (values, _))| DataArray {
             intent,
             name: Some(name),

@@ -27,7 +27,7 @@ pub(super) fn tetrahedron() -> OwnedDocument {
         },
         arrays: vec![
             VertexArray {
-                name: "normal",
+                name: "normal".into(),
                 values: VertexValues::Vector(vec![
                     [-s, -s, -s],
                     [1.0, 0.0, 0.0],
@@ -36,11 +36,11 @@ pub(super) fn tetrahedron() -> OwnedDocument {
                 ]),
             },
             VertexArray {
-                name: "mean_curvature_per_mm",
+                name: "mean_curvature_per_mm".into(),
                 values: VertexValues::Scalar(vec![0.25, -1e-7, 0.1, 2.0]),
             },
             VertexArray {
-                name: "direction_1",
+                name: "direction_1".into(),
                 values: VertexValues::Vector(vec![
                     [1.0, 0.0, 0.0],
                     [0.0, 1.0, 0.0],

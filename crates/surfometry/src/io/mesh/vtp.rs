@@ -82,7 +82,7 @@ pub(super) fn write(out: &mut dyn Write, document: &MeshDocument<'_>) -> io::Res
     writeln!(out, "<PointData{}>", active_arrays(document))?;
     for array in arrays {
         let (values, components) = flat(array);
-        out.write_all(appended.element(array.name, components, Values::Double(values)).as_bytes())?;
+        out.write_all(appended.element(&array.name, components, Values::Double(values)).as_bytes())?;
     }
     if let Some(colors) = colors {
         out.write_all(appended.element("color", 3, Values::Byte(colors.as_flattened())).as_bytes())?;

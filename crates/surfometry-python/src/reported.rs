@@ -1,0 +1,45 @@
+//! A page.
+
+use crate::input::Request;
+use crate::measured::no_object;
+use crate::options::{curvature, plan};
+use pyo3::prelude::*;
+use std::io;
+use std::path::PathBuf;
+use surfometry::inputs::input_title;
+use surfometry::io::write_whole;
+use surfometry::report::{Provenance, Report, ReportPart, ReportTask, render};
+use surfometry::runs::{Item, Opened, RunError};
+
+/// Writes a page of one input; whether all of it could be shown.
+#[pyfunction]
+pub(crate) fn report(
+    py: Python,
+    request: Request,
+    curvature_sigma: Option<&str>,
+    path: PathBuf,
+    title: Option<String>,
+    command: String,
+) -> PyResult<()> {
+    let Request { image, options, session } = request;
+    let plan = plan(py, &options, curvature(py, curvature_sigma)?)?;
+    session.run(py, &image.held()?, move |control, prepared| {
+        let (name, source) = prepared.opened(&plan.open)?;
+        let input = Opened { name: &name, part: None, source, control };
+        let title = title.unwrap_or_else(|| input_title(&name));
+        let (mut objects, mut sources, mut failures) = (Vec::new(), Vec::new(), Vec::new());
+        surfometry::runs::Task::run(&ReportTask::new(plan), &input, &mut |item| match item {
+            Item::Row(ReportPart::Object(object)) => objects.push(*object),
+            Item::Row(ReportPart::Source(source)) => sources.push(source),
+            Item::Failure(failure) => failures.push(failure),
+        })?;
+        if objects.is_empty() {
+            return Err(no_object());
+        }
+        let report = Report { title, objects, failures, provenance: Provenance::new(command, sources) };
+        let written = render(&report)
+            .map_err(io::Error::other)
+            .and_then(|text| write_whole(&path, |out| out.write_all(text.as_bytes())));
+        written.map_err(|source| RunError::Write { path: path.clone(), source })
+    })
+}

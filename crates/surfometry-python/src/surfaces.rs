@@ -1,0 +1,137 @@
+//! Surfaces and voxel maps as arrays.
+
+use crate::errors::{of_run, raise};
+use crate::input::Request;
+use crate::measured::{collected, text};
+use crate::options::{chosen, curvature, plan};
+use numpy::ndarray::Array;
+use numpy::{IntoPyArray, PyReadonlyArray1, PyReadonlyArray2};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use std::path::PathBuf;
+use surfometry::io::{MeshDocument, write_mesh as write};
+use surfometry::measurement::VoxelQuantity;
+use surfometry::pictures::color_scale;
+use surfometry::runs::{MapStyle, MappedSurface, Plan, RunError, SurfaceTask, VoxelMapTask};
+use surfometry::surface::{Mesh, VertexArray, VertexValues};
+
+/// A surface an object: record as JSON, title, vertices, triangles, colours, arrays by name.
+#[pyfunction]
+pub(crate) fn surface<'py>(
+    py: Python<'py>,
+    request: Request,
+    curvature_sigma: Option<&str>,
+) -> PyResult<Vec<Bound<'py, PyDict>>> {
+    let plan = plan(py, &request.options, curvature(py, curvature_sigma)?)?;
+    let task = SurfaceTask { plan: Plan { recover: false, ..plan } };
+    let found = collected(py, request, task.plan.open, task)?;
+    found.results.into_iter().map(|mapped| as_arrays(py, mapped)).collect()
+}
+
+fn as_arrays(py: Python<'_>, mapped: MappedSurface) -> PyResult<Bound<'_, PyDict>> {
+    let MappedSurface { title, record, surface } = mapped;
+    let quantity = MapStyle::default().picture.quantity;
+    let scale = color_scale(&surface, quantity, None);
+    let colors = surface.values(quantity).map(|values| scale.colors(&values)).unwrap_or_default();
+    let (given, arrays) = (PyDict::new(py), PyDict::new(py));
+    for array in surface.arrays() {
+        match array.values {
+            VertexValues::Scalar(values) => arrays.set_item(array.name, values.into_pyarray(py))?,
+            VertexValues::Vector(values) => arrays.set_item(array.name, rows(py, values)?)?,
+        }
+    }
+    given.set_item("record", text(&record)?)?;
+    given.set_item("title", format!("surfometry {}: {title}", env!("CARGO_PKG_VERSION")))?;
+    given.set_item("vertices", rows(py, surface.mesh.vertices)?)?;
+    given.set_item("faces", rows(py, surface.mesh.triangles)?)?;
+    given.set_item("colors", rows(py, colors)?)?;
+    given.set_item("arrays", arrays)?;
+    Ok(given)
+}
+
+/// Triples as an array of three columns, without a copy.
+fn rows<T: numpy::Element>(py: Python<'_>, triples: Vec<[T; 3]>) -> PyResult<Bound<'_, PyAny>> {
+    let shape = (triples.len(), 3);
+    let array = Array::from_shape_vec(shape, triples.into_flattened());
+    Ok(array
+        .map_err(|e| pyo3::exceptions::PyRuntimeError::new_err(e.to_string()))?
+        .into_pyarray(py)
+        .into_any())
+}
+
+/// Maps an object: record as JSON, and arrays (z, y, x) by the name of the quantity.
+#[pyfunction]
+pub(crate) fn voxel_maps<'py>(
+    py: Python<'py>,
+    request: Request,
+    curvature_sigma: Option<&str>,
+    quantities: Vec<String>,
+) -> PyResult<Vec<Bound<'py, PyDict>>> {
+    let named = |name: &String| chosen::<VoxelQuantity>(py, "quantities", name);
+    let quantities = quantities.iter().map(named).collect::<PyResult<Vec<_>>>()?;
+    let plan = plan(py, &request.options, curvature(py, curvature_sigma)?)?;
+    let task = VoxelMapTask { plan: Plan { recover: false, ..plan }, quantities: quantities.clone() };
+    let found = collected(py, request, task.plan.open, task)?;
+    let as_arrays = |maps: surfometry::runs::VoxelMaps| {
+        let [nx, ny, nz] = maps.record.measured.grid.dimensions;
+        let (given, arrays) = (PyDict::new(py), PyDict::new(py));
+        for (quantity, values) in quantities.iter().zip(maps.maps) {
+            let array = Array::from_shape_vec((nz, ny, nx), values)
+                .map_err(|e| pyo3::exceptions::PyRuntimeError::new_err(e.to_string()))?;
+            arrays.set_item(quantity.name(), array.into_pyarray(py))?;
+        }
+        given.set_item("record", text(&maps.record)?)?;
+        given.set_item("arrays", arrays)?;
+        Ok(given)
+    };
+    found.results.into_iter().map(as_arrays).collect()
+}
+
+/// The attributes of the Python layer's surface.
+#[derive(FromPyObject)]
+pub(crate) struct MeshInput<'py> {
+    vertices: PyReadonlyArray2<'py, f64>,
+    faces: PyReadonlyArray2<'py, u32>,
+    colors: PyReadonlyArray2<'py, u8>,
+    /// In the order in which they are written.
+    arrays: Bound<'py, PyDict>,
+    title: String,
+}
+
+/// Values at vertices.
+#[derive(FromPyObject)]
+pub(crate) enum Values<'py> {
+    Scalar(PyReadonlyArray1<'py, f64>),
+    Vector(PyReadonlyArray2<'py, f64>),
+}
+
+/// Writes a mesh with its arrays, in the format that the name's ending says; the files' names.
+#[pyfunction]
+pub(crate) fn write_mesh(py: Python, path: PathBuf, mesh: MeshInput) -> PyResult<Vec<PathBuf>> {
+    let array = |(name, values): (Bound<PyAny>, Bound<PyAny>)| {
+        let values = match values.extract::<Values>()? {
+            Values::Scalar(values) => VertexValues::Scalar(values.as_array().to_vec()),
+            Values::Vector(values) => VertexValues::Vector(triples(&values.as_array())),
+        };
+        Ok(VertexArray { name: name.extract::<String>()?.into(), values })
+    };
+    let arrays = mesh.arrays.iter().map(array).collect::<PyResult<Vec<_>>>()?;
+    let colors = triples(&mesh.colors.as_array());
+    let colors = (!colors.is_empty()).then_some(colors);
+    let triangles =
+        Mesh { vertices: triples(&mesh.vertices.as_array()), triangles: triples(&mesh.faces.as_array()) };
+    let document =
+        MeshDocument { mesh: &triangles, arrays: &arrays, colors: colors.as_deref(), title: &mesh.title };
+    py.detach(|| write(&path, &document)).map_err(|source| match source.kind() {
+        std::io::ErrorKind::InvalidInput => {
+            let name = path.to_string_lossy();
+            raise(py, "ParameterError", &format!("{name}: {source}"), &[("path", Some(&name))])
+        }
+        _ => of_run(py, None, &RunError::Write { path: path.clone(), source }),
+    })
+}
+
+/// Rows of three. The Python layer has seen to it that there are three.
+fn triples<T: Copy>(values: &numpy::ndarray::ArrayView2<T>) -> Vec<[T; 3]> {
+    values.rows().into_iter().map(|row| std::array::from_fn(|axis| row[axis])).collect()
+}

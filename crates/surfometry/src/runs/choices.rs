@@ -1,0 +1,103 @@
+//! What a caller says of a measurement, and the plan that it stands for: the defaults of every front end.
+
+use super::{LabelScales, Lengths, Plan, RunError};
+use crate::inputs::OpenOptions;
+use crate::integrals::{QuadratureRule, Smearing};
+use crate::measurement::{Clip, CurvatureScale, Derivatives, EmbeddingKind, Measurement, Padding};
+use crate::volume::{LabelSelection, Spacing};
+
+/// What a caller says of a measurement. What is left out follows from the rest.
+///
+/// ```
+/// use surfometry::measurement::CurvatureScale;
+/// use surfometry::runs::Choices;
+/// let plan = Choices { sigma: "1.5".parse()?, ..Choices::default() }.plan(CurvatureScale::AsMeasured)?;
+/// // Objects of which this blur loses detail are given back, for no embedding was asked for.
+/// assert!(plan.recover);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Choices {
+    /// Which labels.
+    pub labels: LabelSelection,
+    /// Spacing in mm, fastest axis first, in the place of the input's.
+    pub spacing: Option<Spacing>,
+    /// Blur, mm.
+    pub sigma: Lengths,
+    /// Thickness of the band, mm.
+    pub thickness: Lengths,
+    /// Half-width of the delta in units of the field, in the place of a thickness.
+    pub epsilon: Option<f64>,
+    /// Level of the blurred mask that is the surface.
+    pub level: Option<f64>,
+    /// How an object becomes a field.
+    pub embedding: Option<EmbeddingKind>,
+    /// How the field is differentiated.
+    pub derivatives: Option<Derivatives>,
+    /// How voxels are summed.
+    pub quadrature: Option<QuadratureRule>,
+    /// Profile of the delta.
+    pub delta: Option<Smearing>,
+    /// What becomes of objects that the edge of the image cuts.
+    pub clip: Clip,
+    /// What lies beyond a given field.
+    pub padding: Option<Padding>,
+    /// The paper's choices; others that are made beside win.
+    pub paper: bool,
+}
+
+impl Choices {
+    /// The plan that they stand for, checked.
+    ///
+    /// # Errors
+    /// [`RunError`] for choices that contradict each other, whatever the input.
+    pub fn plan(&self, curvature: CurvatureScale) -> Result<Plan, RunError> {
+        let plan = Plan {
+            measurement: self.measurement(),
+            scales: LabelScales { sigma_mm: self.sigma.own(), thickness_mm: self.thickness.own() },
+            open: OpenOptions { spacing: self.spacing.map(|spacing| spacing.mm()) },
+            labels: self.labels.clone(),
+            curvature,
+            recover: self.embedding.is_none(),
+            ..Plan::default()
+        };
+        plan.check()?;
+        if let LabelSelection::Groups(objects) = &plan.labels {
+            plan.scales.check(objects)?;
+        }
+        Ok(plan)
+    }
+
+    fn measurement(&self) -> Measurement {
+        let mut m = if self.paper { Measurement::paper() } else { Measurement::default() };
+        m = m.embedding(self.embedding.unwrap_or_default()).clip(self.clip).padding(self.padding);
+        if let Some(sigma) = self.sigma.of_all {
+            m = m.sigma_mm(sigma.mm());
+        }
+        if let Some(thickness) = self.thickness.of_all {
+            m = m.thickness_mm(thickness.mm());
+        }
+        if let Some(epsilon) = self.epsilon {
+            m = m.thickness_mm(None).epsilon(epsilon);
+        }
+        if let Some(level) = self.level {
+            m = m.level(level);
+        }
+        if let Some(derivatives) = self.derivatives {
+            m = m.derivatives(derivatives);
+        }
+        if let Some(quadrature) = self.quadrature {
+            m = m.quadrature(quadrature);
+        }
+        if let Some(delta) = self.delta {
+            m = m.delta(delta);
+        }
+        m
+    }
+
+    /// Whether the blur follows each image's spacing.
+    pub fn sigma_is_automatic(&self) -> bool {
+        let papers = self.paper && self.sigma.is_empty();
+        self.embedding.unwrap_or_default().is_blur() && !self.sigma.is_explicit() && !papers
+    }
+}

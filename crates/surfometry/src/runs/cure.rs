@@ -1,0 +1,40 @@
+//! What helps against an error, which each front end calls by its own names.
+
+use super::RunError;
+use crate::inputs::InputError;
+use crate::io::ReadError;
+use crate::measurement::MeasureError;
+use crate::volume::VolumeError;
+
+/// What helps against an error.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Cure {
+    /// To say what the spacing is.
+    Spacing,
+    /// To measure a field as one that is given.
+    GivenEmbedding,
+    /// To choose among the labels that there are.
+    Label,
+}
+
+impl Cure {
+    /// What helps against an error, where a choice of the caller's does.
+    pub fn of(error: &RunError) -> Option<Self> {
+        match error {
+            RunError::Input(InputError::MeshWithoutSpacing) => Some(Self::Spacing),
+            RunError::Input(InputError::Read(ReadError::Volume(error)))
+            | RunError::Measure(MeasureError::Volume(error)) => Self::of_volume(error),
+            _ => None,
+        }
+    }
+
+    fn of_volume(error: &VolumeError) -> Option<Self> {
+        match error {
+            VolumeError::MissingSpacing | VolumeError::InvalidSpacing { .. } => Some(Self::Spacing),
+            VolumeError::Fractional { .. } => Some(Self::GivenEmbedding),
+            VolumeError::NoSuchLabel { .. } => Some(Self::Label),
+            _ => None,
+        }
+    }
+}

@@ -1,0 +1,49 @@
+//! Objects to their surfaces, kept in memory.
+
+use super::{Item, Opened, Plan, Reading, RunError, SurfaceRecord, Task};
+use crate::surface::Surface;
+
+/// Maps every selected object of an input, as [`MapTask`](super::MapTask) does, without files.
+///
+/// ```
+/// use surfometry::{Control, runs::{Batch, Collected, Plan, SurfaceTask}};
+/// let (inputs, control) = (["phantom:ball?radius=6".to_owned()], Control::default());
+/// let batch = Batch { inputs: &inputs, open: Default::default(), control: &control, cure: |_| None };
+/// let mut found = Collected::default();
+/// batch.run(&SurfaceTask { plan: Plan { recover: false, ..Plan::default() } }, &mut found)?;
+/// assert!(found.results[0].surface.mesh.is_closed());
+/// # Ok::<(), std::io::Error>(())
+/// ```
+#[derive(Debug, Clone)]
+pub struct SurfaceTask {
+    /// What is asked.
+    pub plan: Plan,
+}
+
+/// A surface and what is known of it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MappedSurface {
+    /// The object's name for people.
+    pub title: String,
+    /// Its numbers, and how curvature is distributed.
+    pub record: SurfaceRecord,
+    /// The surface, in world coordinates (RAS, mm).
+    pub surface: Surface,
+}
+
+impl Task for SurfaceTask {
+    type Row = MappedSurface;
+
+    fn run(&self, input: &Opened, out: &mut dyn FnMut(Item<MappedSurface>)) -> Result<(), RunError> {
+        let reading = Reading::of(input, &self.plan)?;
+        for object in reading.objects() {
+            let object = object?;
+            object.surface();
+            input.control.check()?;
+            let (title, record) = (object.title(), SurfaceRecord::new(object.record(), object.surface()));
+            input.control.check()?;
+            out(Item::Row(MappedSurface { title, record, surface: object.into_surface() }));
+        }
+        Ok(())
+    }
+}

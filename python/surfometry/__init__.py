@@ -1,0 +1,50 @@
+"""Measures the surfaces of segmented 3-D objects: volume, area, mean and Gaussian curvature, Euler characteristic.
+
+Lengths are in mm. ``spacing`` is in the order of an array's axes; see docs/python.md for axes, units and errors.
+
+>>> import surfometry
+>>> surfometry.measure(surfometry.phantom("torus", major=10, minor=4)).topology.handles
+1
+"""
+
+from ._core import VERSION as __version__
+from ._errors import (
+    Error,
+    FileError,
+    InputError,
+    InternalError,
+    ParameterError,
+    SurfometryWarning,
+    UnsupportedTypeError,
+)
+from ._image import Image
+from ._measure import compare, measure, measure_labels, phantom, read, reference, report, surface, sweep, voxel_maps
+from ._results import Flag, Measurement, Topology, Values
+from ._surface import Surface
+
+__all__ = [
+    "Error",
+    "FileError",
+    "Flag",
+    "Image",
+    "InputError",
+    "InternalError",
+    "Measurement",
+    "ParameterError",
+    "Surface",
+    "SurfometryWarning",
+    "Topology",
+    "UnsupportedTypeError",
+    "Values",
+    "__version__",
+    "compare",
+    "measure",
+    "measure_labels",
+    "phantom",
+    "read",
+    "reference",
+    "report",
+    "surface",
+    "sweep",
+    "voxel_maps",
+]

@@ -1,0 +1,602 @@
+"""What the commands do, a function each."""
+
+from __future__ import annotations
+
+import json
+import sys
+import tempfile
+from collections.abc import Mapping, Sequence
+from os import PathLike, fspath
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from . import _core
+from ._adapters import image_of, readable
+from ._errors import InputError, ParameterError, SurfometryWarning
+from ._image import Image, names_of, spacing_words
+from ._options import Labels, Length, options_of
+from ._results import Flag, Measurement, flags_of, warn_of
+from ._session import Progress, Request, several_objects, session
+from ._surface import Surface, surface_of
+
+if TYPE_CHECKING:
+    import pandas
+
+
+
+def _prepared(
+    image: object,
+    spacing: float | Sequence[float] | None,
+    options: Mapping[str, object],
+    names: Mapping[int, str] | None = None,
+    name: str | None = None,
+) -> tuple[str | Image, dict[str, str]]:
+    """What is measured, and the words of its options."""
+    if isinstance(image, (str, PathLike)):
+        if names is not None or name is not None:
+            raise ParameterError("a file has a name, and says how its labels are called: leave name= and names= out")
+        # As `read` gives it, an array (z, y, x).
+        return fspath(image), options_of(spacing=spacing_words(spacing, "zyx"), **options)
+    known = readable(image_of(image), names, name)
+    if known.affine is None and spacing is None:
+        hint = "spacing=, in mm, in the order of the array's axes"
+        raise InputError(
+            f"{known.name}: it holds no voxel spacing: say what it is ({hint}; spacing=1 where a voxel is the unit)",
+            field="spacing",
+            hint=hint,
+        )
+    return known, options_of(spacing=spacing_words(spacing, known.axes), **options)
+
+
+def _chosen(local: Mapping[str, object]) -> dict[str, object]:
+    """The arguments that choose how objects are measured, under the names of the command line's options."""
+    names = (
+        "label", "sigma", "thickness", "epsilon", "level", "embedding", "derivatives", "quadrature", "delta", "clip",
+        "padding", "paper", "explain", "per_component",
+    )  # fmt: skip
+    return {name: local[name] for name in names if name in local}
+
+
+def measure(
+    image: object,
+    spacing: float | Sequence[float] | None = None,
+    *,
+    label: Labels | None = None,
+    sigma: Length | None = None,
+    thickness: Length | None = None,
+    epsilon: float | None = None,
+    level: float | None = None,
+    embedding: str | None = None,
+    derivatives: str | None = None,
+    quadrature: str | None = None,
+    delta: str | None = None,
+    clip: str | None = None,
+    padding: float | str | None = None,
+    paper: bool = False,
+    explain: bool = False,
+    names: Mapping[int, str] | None = None,
+    name: str | None = None,
+    threads: int | None = None,
+    progress: Progress = None,
+) -> Measurement:
+    """Measures one object: volume, area, curvature, topology, with error bars.
+
+    The numbers are those of ``surfometry measure``, to the bit.
+
+    Parameters
+    ----------
+    image : array or image
+        A NumPy array of three axes, an image of SimpleITK, itk, nibabel, xarray, napari, MONAI, TorchIO or PyVista, a pair
+        (array, meta) of aimio-py, what `read` or `phantom` gave, a path, or the name of a built-in shape. Voxels are
+        labels, 0 being background; with ``embedding="given"`` a field, negative inside; with ``embedding="probability"``
+        probabilities.
+    spacing : float or sequence of three floats, optional
+        Distance between voxels in mm **in the order of the array's axes**, whatever these are; of a path in that of
+        `read`, (z, y, x). Images that know theirs need none, and this replaces it. A plain array needs one.
+    label : int, str, tuple or list, optional
+        Which label; a tuple of labels is one object.
+    sigma, thickness : float, str or mapping, optional
+        Blur and thickness of the band, mm; ``"auto"``; or a mapping from labels to such.
+    epsilon : float, optional
+        Half-width of the delta in units of the field, in the place of a thickness.
+    level : float, optional
+        Level of the blurred mask that is the surface, between 0 and 1.
+    embedding : {"gaussian", "corrected", "recovering", "probability", "given", ...}, optional
+        How an object becomes a field. Without one the blur, and what gives an object back of which that loses detail.
+    derivatives, quadrature, delta, clip, padding, paper
+        As of the command line, by the same words.
+    explain : bool
+        Whether it is looked into where blur and band change topology.
+    names : mapping, optional
+        Names of labels, of images that have none.
+    name : str, optional
+        What the record calls the image.
+    threads : int, optional
+        At most one a core that may be used. By default SURFOMETRY_NUM_THREADS, RAYON_NUM_THREADS, or all. The numbers
+        do not depend on it.
+    progress : bool or callable, optional
+        True for a bar of tqdm, or a function called with (text, so much, of so much).
+
+    Returns
+    -------
+    Measurement
+        Lengths in mm; None where a number could not be had, and a flag says why.
+
+    Raises
+    ------
+    InputError, ParameterError, FileError, UnsupportedTypeError
+        Also ValueError, ValueError, OSError and TypeError. An image of several objects is refused.
+
+    Warns
+    -----
+    SurfometryWarning
+        Each flag of the result, once.
+
+    Examples
+    --------
+    >>> import numpy as np, surfometry
+    >>> z, y, x = np.mgrid[-12:13, -20:21, -20:21]
+    >>> ball = (2.0 * z) ** 2 + y**2 + x**2 < 15**2
+    >>> r = surfometry.measure(ball, spacing=(2, 1, 1))
+    >>> round(r.surface_area / (4 * np.pi * 15**2), 2), r.euler_characteristic
+    (1.0, 2.0)
+    """
+    known, options = _prepared(image, spacing, _chosen(locals()), names, name)
+    with session(threads, progress, one_object=label is None) as running:
+        records = json.loads(_core.measure(Request(known, options, running)))
+    if len(records) != 1:
+        raise several_objects(len(records))
+    measured = Measurement(records[0])
+    warn_of({measured.input: list(measured.flags)}, stacklevel=2)
+    return measured
+
+
+def measure_labels(
+    image: object,
+    spacing: float | Sequence[float] | None = None,
+    *,
+    label: Labels | None = None,
+    sigma: Length | None = None,
+    thickness: Length | None = None,
+    epsilon: float | None = None,
+    level: float | None = None,
+    embedding: str | None = None,
+    derivatives: str | None = None,
+    quadrature: str | None = None,
+    delta: str | None = None,
+    clip: str | None = None,
+    padding: float | str | None = None,
+    paper: bool = False,
+    explain: bool = False,
+    per_component: bool = False,
+    names: Mapping[int, str] | None = None,
+    name: str | None = None,
+    as_frame: bool = True,
+    threads: int | None = None,
+    progress: Progress = None,
+) -> Any:
+    """Measures every label of an image, or every piece of each.
+
+    Parameters
+    ----------
+    image, spacing, label, sigma, thickness, epsilon, level, embedding, derivatives, quadrature, delta, clip, padding, paper, \
+explain, names, name, threads, progress
+        As of `measure`. A list of labels measures these.
+    per_component : bool
+        Whether each 26-connected piece is an object of its own, the largest first.
+    as_frame : bool
+        Whether the result is a data frame of pandas, which has to be installed.
+
+    Returns
+    -------
+    pandas.DataFrame or dict of lists
+        The columns of ``surfometry measure --format csv`` (docs/contract.md), a row an object, and before them ``index``,
+        which equals ``label``: so a layer of napari takes the table as its features. Units are in the names. A number
+        that could not be had is NaN in a frame, None in a dict.
+
+    Raises
+    ------
+    InputError, ParameterError, FileError, UnsupportedTypeError
+        As of `measure`.
+
+    Warns
+    -----
+    SurfometryWarning
+        Each flag once, with the first object that raises it and how many do.
+    """
+    known, options = _prepared(image, spacing, _chosen(locals()), names, name)
+    with session(threads, progress) as running:
+        table = json.loads(_core.measure_columns(Request(known, options, running)))
+    columns: dict[str, list[Any]] = {"index": list(table["columns"]["label"]), **table["columns"]}
+    objects = [f"label {label}" for label in columns["label"]]
+    flags: dict[str, list[Flag]] = {}
+    for of_object, raised in zip(objects, table["flags"], strict=True):
+        flags.setdefault(of_object, []).extend(flags_of(raised))
+    warn_of(flags, stacklevel=2)
+    return _frame(columns) if as_frame else columns
+
+
+def _frame(columns: dict[str, list[Any]]) -> pandas.DataFrame:
+    """Columns with one type each: whole numbers where all are, doubles where some are missing."""
+    try:
+        import pandas
+    except ImportError as error:
+        raise ImportError("a data frame wants pandas: pip install pandas, or as_frame=False") from error
+    frame: pandas.DataFrame = pandas.DataFrame(columns)
+    for name in frame.columns:
+        values = columns[name]
+        if all(value is None or isinstance(value, (int, float)) and not isinstance(value, bool) for value in values):
+            whole = values and all(isinstance(value, int) for value in values)
+            frame[name] = np.array(values, dtype=np.int64 if whole else np.float64)
+    return frame
+
+
+def sweep(
+    image: object,
+    values: Sequence[float],
+    spacing: float | Sequence[float] | None = None,
+    *,
+    over: str = "sigma",
+    label: Labels | None = None,
+    sigma: Length | None = None,
+    thickness: Length | None = None,
+    level: float | None = None,
+    embedding: str | None = None,
+    derivatives: str | None = None,
+    quadrature: str | None = None,
+    delta: str | None = None,
+    clip: str | None = None,
+    paper: bool = False,
+    name: str | None = None,
+    threads: int | None = None,
+    progress: Progress = None,
+) -> list[Measurement]:
+    """Measures the same objects over values of a parameter, from one reading.
+
+    Parameters
+    ----------
+    image, spacing, label, sigma, thickness, level, embedding, derivatives, quadrature, delta, clip, paper, name, threads, \
+progress
+        As of `measure`; what is swept is left out.
+    values : sequence of floats
+        mm, or the level itself.
+    over : {"sigma", "thickness", "level"}
+        What is swept.
+
+    Returns
+    -------
+    list of Measurement
+        Object by object, each over the values; what is swept stands in their `parameters`.
+
+    Raises
+    ------
+    InputError, ParameterError, FileError, UnsupportedTypeError
+        As of `measure`, and where the swept parameter is given as well.
+
+    Warns
+    -----
+    SurfometryWarning
+        Values that make no sense for an object; the others are measured.
+    """
+    if locals().get(over) is not None:
+        raise ParameterError("the same length is swept and given: leave the option out", field=over)
+    known, options = _prepared(image, spacing, _chosen(locals()), name=name)
+    with session(threads, progress) as running:
+        request = Request(known, options, running)
+        found = json.loads(_core.sweep(request, over, [float(value) for value in values]))
+    _warn_of_failures(found["failures"])
+    return [Measurement(record) for record in found["results"]]
+
+
+def _warn_of_failures(failures: list[dict[str, str]]) -> None:
+    import warnings
+
+    for failure in failures:
+        warnings.warn(f"{failure['input']}: {failure['error']}", SurfometryWarning, stacklevel=3)
+
+
+def reference(
+    image: object,
+    spacing: float | Sequence[float] | None = None,
+    *,
+    methods: Sequence[str] = (),
+    label: Labels | None = None,
+    name: str | None = None,
+    threads: int | None = None,
+    progress: Progress = None,
+) -> list[dict[str, Any]]:
+    """Measures objects by classical methods: counted voxels, triangulation, Crofton and others.
+
+    Parameters
+    ----------
+    image, spacing, label, name, threads, progress
+        As of `measure`.
+    methods : sequence of str
+        Names as of ``surfometry reference --method``; all by default.
+
+    Returns
+    -------
+    list of dict
+        Records of ``surfometry reference --format json`` (docs/reference_methods.md), object by object.
+    """
+    known, options = _prepared(image, spacing, _chosen(locals()), name=name)
+    with session(threads, progress) as running:
+        records: list[dict[str, Any]] = json.loads(_core.reference(Request(known, options, running), list(methods)))
+    return records
+
+
+def surface(
+    image: object,
+    spacing: float | Sequence[float] | None = None,
+    *,
+    curvature_sigma: float | str | None = "auto",
+    label: Labels | None = None,
+    sigma: Length | None = None,
+    thickness: Length | None = None,
+    level: float | None = None,
+    embedding: str | None = None,
+    derivatives: str | None = None,
+    clip: str | None = None,
+    padding: float | str | None = None,
+    paper: bool = False,
+    name: str | None = None,
+    threads: int | None = None,
+    progress: Progress = None,
+) -> Surface:
+    """The surface of one object, with curvature at its vertices.
+
+    Parameters
+    ----------
+    image, spacing, label, sigma, thickness, level, embedding, derivatives, clip, padding, paper, name, threads, progress
+        As of `measure`.
+    curvature_sigma : float, {"auto", "local"} or None
+        Blur in mm of the corrected embedding in which curvature is that of the object as segmented, or how it is chosen;
+        None maps the surface as it is measured.
+
+    Returns
+    -------
+    Surface
+        In the frame of the image, mm.
+
+    Raises
+    ------
+    InputError, ParameterError, FileError, UnsupportedTypeError
+        As of `measure`, and where nothing is left inside.
+    """
+    known, options = _prepared(image, spacing, _chosen(locals()), name=name)
+    with session(threads, progress, one_object=label is None) as running:
+        found = _core.surface(Request(known, options, running), _scale(curvature_sigma))
+    if len(found) != 1:
+        raise several_objects(len(found))
+    record = json.loads(found[0]["record"])
+    if not len(found[0]["faces"]):
+        raise InputError(
+            "nothing is left inside the level set at this sigma and level, so there is no surface; use a smaller sigma"
+        )
+    made = surface_of(found[0], record, "RAS" if isinstance(known, str) else known.frame)
+    warn_of({made.measurement.input: list(made.measurement.flags)}, stacklevel=2)
+    return made
+
+
+def _scale(curvature_sigma: float | str | None) -> str | None:
+    return options_of(curvature_sigma=curvature_sigma).get("curvature_sigma")
+
+
+def voxel_maps(
+    image: object,
+    spacing: float | Sequence[float] | None = None,
+    *,
+    quantities: str | Sequence[str] = "mean-curvature",
+    curvature_sigma: float | str | None = None,
+    label: Labels | None = None,
+    sigma: Length | None = None,
+    thickness: Length | None = None,
+    level: float | None = None,
+    embedding: str | None = None,
+    derivatives: str | None = None,
+    clip: str | None = None,
+    padding: float | str | None = None,
+    paper: bool = False,
+    name: str | None = None,
+    threads: int | None = None,
+    progress: Progress = None,
+) -> dict[str, Any]:
+    """Maps quantities of one object on the image's own lattice.
+
+    Parameters
+    ----------
+    image, spacing, label, sigma, thickness, level, embedding, derivatives, clip, padding, paper, name, threads, progress
+        As of `measure`.
+    quantities : str or sequence of str
+        Of ``mean-curvature``, ``gaussian-curvature``, ``delta``, ``phi``, ``band``.
+    curvature_sigma : float, {"auto", "local"} or None
+        As of `surface`.
+
+    Returns
+    -------
+    dict
+        Maps by the quantity's name with its unit, such as ``mean_curvature_per_mm``: float32, of the same kind as the
+        image and in the same place. Of a path they are of the kind that `read` gives.
+    """
+    asked = [quantities] if isinstance(quantities, str) else list(quantities)
+    known, options = _prepared(image, spacing, _chosen(locals()), name=name)
+    with session(threads, progress, one_object=label is None) as running:
+        found = _core.voxel_maps(Request(known, options, running), _scale(curvature_sigma), asked)
+    if len(found) != 1:
+        raise several_objects(len(found))
+    if isinstance(known, str):
+        # Its place in the world, not its voxels: those are measured already.
+        known = read(known, spacing, threads=threads)
+    return {quantity: known.given_back(array) for quantity, array in found[0]["arrays"].items()}
+
+
+def read(
+    name: str | PathLike[str], spacing: float | Sequence[float] | None = None, *, threads: int | None = None
+) -> Image:
+    """Reads an image in a file, a closed mesh as voxels, or a built-in shape.
+
+    Parameters
+    ----------
+    name : path or str
+        A file of any format that ``surfometry measure`` takes, or ``phantom:NAME?key=value&...``.
+    spacing : float or sequence of three floats, optional
+        mm, in the order (z, y, x): replaces the file's, or supplies what it lacks; of a mesh that of the voxels.
+
+    Returns
+    -------
+    Image
+        With `array` (z, y, x) of the type that the file stores, `spacing` (z, y, x), `affine`, `label_names`; all
+        functions take it.
+
+    Raises
+    ------
+    FileError, InputError
+        Also OSError and ValueError.
+    """
+    with session(threads, None) as running:
+        options = options_of(spacing=spacing_words(spacing, "zyx"))
+        given = _core.read(fspath(name), options, running)
+    truth = json.loads(given["truth"])
+    warn_of({fspath(name): list(flags_of(json.loads(given["flags"])))}, stacklevel=2)
+
+    def like(array: Any) -> Image:
+        return Image(array, "zyx", given["affine"], fspath(name), frame="RAS")
+
+    label_names = names_of(given["label_names"])
+    return Image(given["voxels"], "zyx", given["affine"], fspath(name), label_names, "RAS", truth, like)
+
+
+def phantom(name: str, spacing: float | Sequence[float] | None = None, **keys: float | str | Sequence[float]) -> Image:
+    """A built-in shape with known truth.
+
+    Parameters
+    ----------
+    name : str
+        ``ball``, ``torus``, ``femur`` and others (docs/contract.md), with or without ``phantom:`` and keys behind ``?``.
+    spacing : float or sequence of three floats, optional
+        mm, in the order (z, y, x).
+    **keys
+        ``radius``, ``major``, ``rotate=(a, b, c)`` and others, as of the command line: vectors are x first there.
+
+    Returns
+    -------
+    Image
+        Labels as uint8, and `truth`: the exact integrals by the names of records.
+
+    Examples
+    --------
+    >>> import surfometry
+    >>> ball = surfometry.phantom("ball", radius=8, spacing=(2, 1, 1))
+    >>> ball.spacing
+    (2.0, 1.0, 1.0)
+    """
+    joined = "&".join(f"{key}={_key_words(value)}" for key, value in keys.items())
+    spec = name if name.startswith("phantom:") else f"phantom:{name}"
+    if joined:
+        spec += ("&" if "?" in spec else "?") + joined
+    return read(spec, spacing)
+
+
+def _key_words(value: float | str | Sequence[float]) -> str:
+    if isinstance(value, (str, int)):
+        return str(value)
+    if isinstance(value, Sequence):
+        return ",".join(repr(float(part)) for part in value)
+    return repr(float(value))
+
+
+def compare(
+    method: str | PathLike[str] | pandas.DataFrame,
+    standard: str | PathLike[str] | pandas.DataFrame,
+    *,
+    columns: Sequence[str] = (),
+    object: str = "input",
+    label: str | None = None,
+    names: tuple[str, str] | None = None,
+    bootstrap: int = 2000,
+) -> dict[str, Any]:
+    """Compares two tables of the same objects: regression, Bland-Altman, concordance, Euler characteristics.
+
+    Parameters
+    ----------
+    method, standard : path or DataFrame
+        Tables that ``surfometry`` wrote, tables of other programs, folders of tables, or frames of `measure_labels`.
+    columns : sequence of str
+        What is compared: a column of both, or ``METHOD:STANDARD``.
+    object : str
+        The column that names the objects' inputs, or ``METHOD:STANDARD``.
+    label : str, optional
+        The column that has the objects' labels, ``label`` unless told, or ``METHOD:STANDARD``.
+    names : pair of str, optional
+        What the two are called.
+    bootstrap : int
+        Samples, at least 100.
+
+    Returns
+    -------
+    dict
+        The document of ``surfometry compare -o FILE.json`` (docs/agreement.md).
+
+    Raises
+    ------
+    InputError, FileError, ParameterError
+        For tables that cannot be read or have nothing in common.
+    """
+    with tempfile.TemporaryDirectory() as folder:
+        ours, theirs = _table(method, Path(folder) / "method.csv"), _table(standard, Path(folder) / "standard.csv")
+        document: dict[str, Any] = json.loads(_core.compare(ours, theirs, list(columns), object, label, names, bootstrap))
+    return document
+
+
+def _table(table: Any, path: Path) -> str:
+    """The table's file: a frame is written to one."""
+    if not hasattr(table, "to_csv"):
+        return str(fspath(table))
+    table.drop(columns="index", errors="ignore").to_csv(path, index=False)
+    return str(path)
+
+
+def report(
+    image: object,
+    output: str | PathLike[str],
+    spacing: float | Sequence[float] | None = None,
+    *,
+    title: str | None = None,
+    curvature_sigma: float | str | None = None,
+    label: Labels | None = None,
+    sigma: Length | None = None,
+    thickness: Length | None = None,
+    level: float | None = None,
+    embedding: str | None = None,
+    derivatives: str | None = None,
+    clip: str | None = None,
+    padding: float | str | None = None,
+    paper: bool = False,
+    names: Mapping[int, str] | None = None,
+    name: str | None = None,
+    threads: int | None = None,
+    progress: Progress = None,
+) -> None:
+    """Writes one HTML page: numbers, the surface to turn, distributions, slices, method and provenance.
+
+    Parameters
+    ----------
+    image, spacing, label, sigma, thickness, level, embedding, derivatives, clip, padding, paper, names, name, threads, \
+progress
+        As of `measure`; each object gets a section.
+    output : path
+        The page, written whole or not at all.
+    title : str, optional
+        Its heading.
+    curvature_sigma : float, {"auto", "local"} or None
+        As of `surface`.
+    """
+    known, options = _prepared(image, spacing, _chosen(locals()), names, name)
+    if isinstance(known, str) and Path(known).exists() and Path(output).exists() and Path(known).samefile(output):
+        raise ParameterError(f"{output}: the page would replace the input; choose another name", path=fspath(output))
+    command = f"surfometry.report of {known if isinstance(known, str) else known.name} in Python {sys.version.split()[0]}"
+    with session(threads, progress) as running:
+        request = Request(known, options, running)
+        _core.report(request, _scale(curvature_sigma), output, title, command)

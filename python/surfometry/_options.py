@@ -1,0 +1,70 @@
+"""Arguments as the words that the command line has for them: one vocabulary, no default of its own."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from typing import TypeAlias
+
+from ._errors import ParameterError
+
+#: A label, or labels that are one object.
+LabelKey: TypeAlias = int | str | tuple[int, ...]
+#: Labels: one, several (each an object), united ones in a tuple, or words such as ``"1,2+3"``.
+Labels: TypeAlias = LabelKey | Sequence[LabelKey]
+#: A length in mm, ``"auto"``, or lengths of labels of their own; those of all others under ``"all"``.
+Length: TypeAlias = float | str | Mapping[LabelKey, float | str]
+
+
+def options_of(**arguments: object) -> dict[str, str]:
+    """Names and words of all arguments that say something."""
+    said = {name: value for name, value in arguments.items() if value is not None and value is not False}
+    return {name: _WORDS.get(name, _plain)(name, value) for name, value in said.items()}
+
+
+def _plain(name: str, value: object) -> str:
+    if isinstance(value, str):
+        return value
+    if value is True:
+        return "true"
+    try:
+        return repr(float(value))  # type: ignore[arg-type]
+    except (TypeError, ValueError) as error:
+        raise ParameterError(f"{name}={value!r}: neither a number nor a word", field=name) from error
+
+
+def _label(name: str, value: object) -> str:
+    if isinstance(value, str):
+        return value
+    if isinstance(value, Iterable):
+        return "+".join(_label(name, part) for part in value)
+    try:
+        whole = int(value)  # type: ignore[call-overload]
+        if whole == value:
+            return str(whole)
+    except (TypeError, ValueError):
+        pass
+    raise ParameterError(f"{name}={value!r}: a label is a whole number", field=name)
+
+
+def _labels(name: str, value: object) -> str:
+    if isinstance(value, Iterable) and not isinstance(value, (str, tuple)):
+        return ",".join(_label(name, part) for part in value)
+    return _label(name, value)
+
+
+def _length(name: str, value: object) -> str:
+    if not isinstance(value, Mapping):
+        return _plain(name, value)
+    words = [
+        _plain(name, length) if label == "all" else f"{_label(name, label)}={_plain(name, length)}"
+        for label, length in value.items()
+    ]
+    return ",".join(words)
+
+
+def _triple(name: str, value: object) -> str:
+    assert isinstance(value, Iterable)
+    return ",".join(_plain(name, part) for part in value)
+
+
+_WORDS = {"label": _labels, "sigma": _length, "thickness": _length, "spacing": _triple}

@@ -1,0 +1,42 @@
+"""The lines of Python that README.md, the pages and the docstrings show."""
+
+import doctest
+import importlib
+import pathlib
+import re
+
+import pytest
+
+import surfometry
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+PAGES = [page for page in [ROOT / "README.md", *(ROOT / "docs").glob("*.md")] if "```python" in page.read_text()]
+MODULES = [surfometry, importlib.import_module("surfometry.skimage"), importlib.import_module("surfometry._measure")]
+
+
+def test_pages_show_python():
+    assert {page.name for page in PAGES} >= {"README.md", "python.md"}
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_lines_of_a_page_run(page, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    known = {}
+    for block in re.findall(r"^```python\n(.*?)^```", page.read_text(), re.MULTILINE | re.DOTALL):
+        exec(compile(block, str(page), "exec"), known)
+    assert known["surface"].measurement.euler_characteristic == 2
+    assert len(capsys.readouterr().out.split()) == 3
+
+
+@pytest.mark.parametrize("module", MODULES, ids=lambda module: module.__name__)
+def test_docstrings(module):
+    found = doctest.testmod(module)
+    assert found.attempted > 0 and found.failed == 0
+
+
+def test_every_public_name_is_documented():
+    pages = (ROOT / "docs" / "python.md").read_text()
+    for name in surfometry.__all__:
+        thing = getattr(surfometry, name)
+        assert name == "__version__" or thing.__doc__, name
+        assert not callable(thing) or isinstance(thing, type) or f"`{name}`" in pages, name
