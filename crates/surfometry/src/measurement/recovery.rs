@@ -155,6 +155,8 @@ const MEAN_SUSPECTED: f64 = 1.3;
 const TOLD: f64 = 0.15;
 const GRIDDED: [f64; 2] = [0.12, 0.12];
 const ACUTE: [f64; 2] = [0.1, 0.4];
+/// Share by which A may be short of the voxels' faces of what looks like a box along the grid, and M, in the same units.
+const OF_BOX: f64 = 0.5;
 /// Share of the integral of |H| that M may be short of where edges that voxels speak for meet, as at the tip of a cone, in units
 /// of the share of A that they have lost.
 const MEAN_OVERSHOT: f64 = 0.6;
@@ -285,7 +287,9 @@ impl Mesh {
     /// Errors of A and M by edges that a rounded surface may stand for.
     fn errors_of_edges(&self) -> [f64; 2] {
         let rest = 1.0 - self.sharp_share();
-        let Creases { lost_area, overshot_area, acute_area, suspected_area, gridded_area, .. } = self.creases;
+        let Creases {
+            lost_area, overshot_area, acute_area, suspected_area, gridded_area, boxed_area, ..
+        } = self.creases;
         let per_area = self.absolute_mean_curvature / self.area;
         let suspected = (OF_SUSPECTED[0] + OF_SUSPECTED[1] * self.sharp_share()) * suspected_area;
         [
@@ -295,6 +299,7 @@ impl Mesh {
                 OF_LOST * lost_area,
                 suspected,
                 GRIDDED[1] * gridded_area,
+                OF_BOX * boxed_area,
                 ACUTE[1] * acute_area,
             ]),
             of_all(&[
@@ -302,6 +307,7 @@ impl Mesh {
                 OF_HOLLOW * self.creases.hollow_mean_curvature,
                 MEAN_SUSPECTED * suspected * per_area,
                 GRIDDED[1] * gridded_area * per_area,
+                OF_BOX * boxed_area * per_area,
                 ACUTE[1] * acute_area * per_area,
                 MEAN_OVERSHOT * overshot_area * per_area,
             ]),

@@ -45,6 +45,10 @@ const GRIDDED: [f64; 2] = [0.1, 0.25];
 const FACING: f64 = 0.996;
 const USUAL: f64 = 0.012;
 
+/// Area of the voxels' faces, in units of that of the surface, of which rounding alone may have made it smaller, and at which
+/// it has not: that of boxes along the grid is that of their voxels; balls have 1.5, tubes along the grid 1.27.
+const BOX_ALONG: [f64; 2] = [1.25, 1.12];
+
 /// What rounding may have taken of a surface's edges, mm^2.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Creases {
@@ -62,6 +66,8 @@ pub(crate) struct Creases {
     pub(crate) told_area: f64,
     /// Rounded area at edges of flat faces along the grid, which no voxel tells of.
     pub(crate) gridded_area: f64,
+    /// What a body of faces along the grid has more: area of its voxels' faces.
+    pub(crate) boxed_area: f64,
     /// Integral of |H| over hollow edges, mm.
     pub(crate) hollow_mean_curvature: f64,
     /// Faces along the grid, by axis: the grid moves them as a whole.
@@ -77,7 +83,8 @@ impl Creases {
         let voxel = grid.spacing().geometric_mean();
         let normals = in_grid(surface, grid);
         let around = Surroundings::of(surface, areas, &normals, grid);
-        let mut creases = Self { faces: faces_along(&normals, areas), ..Self::default() };
+        let (faces, boxed_area) = (faces_along(&normals, areas), boxed_area(&normals, areas));
+        let mut creases = Self { faces, boxed_area, ..Self::default() };
         let (mut sudden, mut wavy) = (0.0, 0.0);
         for ((vertex, &area), around) in surface.vertices.iter().zip(areas).zip(&around) {
             let [_, least] = vertex.curvature.principal();
@@ -163,6 +170,14 @@ fn in_grid(surface: &Surface, grid: &Grid) -> Vec<[f64; 3]> {
     let (affine, spacing) = (grid.affine(), grid.spacing().mm());
     let axes: [[f64; 3]; 3] = std::array::from_fn(|a| affine.column(a).map(|step| step / spacing[a]));
     surface.vertices.iter().map(|vertex| axes.map(|axis| dot(vertex.normal, axis))).collect()
+}
+
+/// Area that the voxels' faces have more than the surface, by its normals, where that may be what rounding took.
+fn boxed_area(normals: &[[f64; 3]], areas: &[f64]) -> f64 {
+    let whole: f64 = areas.iter().sum();
+    let sides = |normal: &[f64; 3]| normal.iter().map(|part| part.abs()).sum::<f64>();
+    let of_faces: f64 = normals.iter().zip(areas).map(|(normal, area)| area * sides(normal)).sum();
+    if whole > 0.0 { (of_faces - whole) * ramp(of_faces / whole, BOX_ALONG) } else { 0.0 }
 }
 
 /// Area of the faces along the grid, by axis, beyond what a round body has.
