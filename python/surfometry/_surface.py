@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from os import PathLike
 from typing import TYPE_CHECKING, Any
 
@@ -26,7 +26,7 @@ _TURNED = np.array([-1.0, -1.0, 1.0])
 _VECTORS = ("normal", "direction_1", "direction_2")
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Surface:
     """The surface phi = 0 as triangles, with geometry at its vertices.
 
@@ -57,8 +57,12 @@ class Surface:
     colors: NDArray[np.uint8]
     measurement: Measurement
     curvature: dict[str, Any]
-    title: str = field(repr=False)
+    title: str
     frame: Frame = "RAS"
+
+    def __repr__(self) -> str:
+        size = f"{len(self.vertices)} vertices, {len(self.faces)} triangles"
+        return f"Surface of {self.title}: {size}; arrays {', '.join(self.arrays)}"
 
     def to_pyvista(self) -> pyvista.PolyData:
         """The surface as `pyvista.PolyData`, with its arrays as point data."""

@@ -337,3 +337,28 @@ fn objects_in_the_middle_of_the_grid_have_larger_errors() {
         assert!(shares.iter().all(|share| share.abs() < 2.5), "{shares:?}");
     }
 }
+
+/// The empty margin around an object and the place of its image in the world change no number of it.
+#[test]
+fn nothing_depends_on_the_margin() {
+    let turned = pose(4);
+    let box_in = |size: usize, first: f64| {
+        let grid = Grid::axis_aligned([size; 3], [1.0; 3]).unwrap();
+        let mask = Mask::from_predicate(grid, |index| {
+            let [x, y, z] = turned.to_shape(index.map(|v| v as f64 - first));
+            x.abs() < 3.0 && y.abs() < 4.0 && z.abs() < 6.0
+        });
+        let measured = at_defaults(&mask);
+        assert_eq!(measured.parameters.embedding, EmbeddingKind::Recovering);
+        let errors = measured.standard_error;
+        [
+            measured.surface_area_mm2,
+            measured.total_mean_curvature_mm,
+            errors.surface_area_mm2,
+            errors.volume_mm3,
+        ]
+        .map(Option::unwrap)
+    };
+    let [narrow, wide] = [box_in(30, 14.3), box_in(45, 21.3)];
+    assert!(narrow.iter().zip(wide).all(|(a, b)| (a / b - 1.0).abs() < 1e-9), "{narrow:?} {wide:?}");
+}

@@ -148,8 +148,8 @@ const GIVEN_BACK: f64 = 0.25;
 const OF_LOST: f64 = 0.55;
 /// Share of rounded area that may be edges of small faces by which A may be short: on a large body, and what is added to it in
 /// units of the share that is sharp; M may be short of the integral of |H| by somewhat more, as at tips.
-const OF_SUSPECTED: [f64; 2] = [0.2, 0.4];
-const MEAN_SUSPECTED: f64 = 1.3;
+const OF_SUSPECTED: [f64; 2] = [0.25, 0.5];
+const MEAN_SUSPECTED: f64 = 1.2;
 /// What is given back, and of it the error, where hollows or the grid tell such edges; where flat faces along the grid meet,
 /// which lie between voxels so that none tells of an edge; and of what acute edges may have lost.
 const TOLD: f64 = 0.15;

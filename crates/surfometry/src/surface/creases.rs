@@ -32,7 +32,7 @@ const RIM: [f64; 2] = [0.57, 0.71];
 const SUDDEN: [f64; 2] = [1.3, 1.8];
 /// How much an object may have that is as hollow, in units of what is suddenly curved, and still be taken for a body of faces:
 /// bones and organs are wavy.
-const WAVY: [f64; 2] = [0.04, 0.12];
+const WAVY: [f64; 2] = [0.1, 0.35];
 /// Mean curvature, 1 / voxel, of the shallow hollows beside an edge that voxels speak for, and their share around it:
 /// there, a smooth surface overshoots. Rounded rims have next to none.
 const OVERSHOT: f64 = -0.03;
@@ -62,6 +62,8 @@ pub(crate) struct Creases {
     pub(crate) acute_area: f64,
     /// Rounded area that may be edges of faces too small to be flat.
     pub(crate) suspected_area: f64,
+    /// That of it at faces along the grid.
+    suspected_along_grid: f64,
     /// That of it which is told by hollows beside it, or by faces along the grid.
     pub(crate) told_area: f64,
     /// Rounded area at edges of flat faces along the grid, which no voxel tells of.
@@ -84,7 +86,7 @@ impl Creases {
         let normals = in_grid(surface, grid);
         let around = Surroundings::of(surface, areas, &normals, grid);
         let (faces, boxed_area) = (faces_along(&normals, areas), boxed_area(&normals, areas));
-        let mut creases = Self { faces, boxed_area, ..Self::default() };
+        let mut creases = Self { boxed_area, faces, ..Self::default() };
         let (mut sudden, mut wavy) = (0.0, 0.0);
         for ((vertex, &area), around) in surface.vertices.iter().zip(areas).zip(&around) {
             let [_, least] = vertex.curvature.principal();
@@ -101,9 +103,10 @@ impl Creases {
                 creases.hollow_mean_curvature -= area * around.flat * mean_curvature;
             }
         }
-        let has_faces = 1.0 - ramp(wavy / sudden.max(f64::MIN_POSITIVE), WAVY);
-        creases.suspected_area *= has_faces;
-        creases.told_area *= has_faces;
+        // Faces along the grid are faces, however wavy the object.
+        let wavy = ramp(wavy / sudden.max(f64::MIN_POSITIVE), WAVY);
+        creases.suspected_area -= wavy * (creases.suspected_area - creases.suspected_along_grid);
+        creases.told_area -= wavy * (creases.told_area - creases.suspected_along_grid);
         creases
     }
 
@@ -119,6 +122,7 @@ impl Creases {
         let suspected = area * (is_sudden - flat).max(0.0);
         self.suspected_area += suspected;
         self.told_area += suspected * gridded.max(overshot);
+        self.suspected_along_grid += suspected * gridded;
     }
 }
 
@@ -140,10 +144,12 @@ impl Surroundings {
     /// By vertex; normals are along the image's axes.
     fn of(surface: &Surface, areas: &[f64], normals: &[[f64; 3]], grid: &Grid) -> Vec<Self> {
         let (voxel, spacing) = (grid.spacing().geometric_mean(), grid.spacing().mm());
-        let places: Vec<[f64; 3]> = indices(&surface.mesh.vertices, grid)
-            .into_iter()
-            .map(|index| std::array::from_fn(|a| index[a] * spacing[a]))
-            .collect();
+        let indices = indices(&surface.mesh.vertices, grid);
+        // Neighbours are averaged by a lattice that begins with the object, so that nothing depends on where it lies.
+        let first: [f64; 3] =
+            std::array::from_fn(|a| indices.iter().map(|index| index[a]).fold(f64::INFINITY, f64::min));
+        let place = |index: &[f64; 3]| std::array::from_fn(|a| (index[a] - first[a]) * spacing[a]);
+        let places: Vec<[f64; 3]> = indices.iter().map(place).collect();
         let larger = |n: usize| surface.vertices[n].curvature.larger() * voxel;
         let of_vertex = |(n, normal): (usize, &[f64; 3])| {
             let overshot = surface.vertices[n].curvature.mean_curvature * voxel < OVERSHOT;
