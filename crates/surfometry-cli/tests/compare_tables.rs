@@ -249,6 +249,45 @@ fn a_constant_standard() {
     );
 }
 
+/// What follows a point may tell objects apart. Only endings of files are cut off, and that is told; the bias says who
+/// went with whom.
+#[test]
+fn names_that_have_points_in_them() {
+    let desk = Desk::new();
+    let table = |name: &str, inputs: &[&str], first: i32| {
+        let rows: String = inputs.iter().zip(first..).map(|(input, n)| format!("{input},{n}\n")).collect();
+        desk.write(name, &format!("input,volume_mm3\n{rows}"));
+    };
+    let pair = |method: &[&str], standard: &[&str]| {
+        table("method.csv", method, 11);
+        table("standard.csv", standard, 1);
+    };
+    for (method, standard) in [
+        (["S01.left", "S02.left", "S03.left"], ["S01.right", "S02.right", "S03.right"]),
+        (["p1.5mm", "p2.5mm", "p3.5mm"], ["p1.7mm", "p2.7mm", "p3.7mm"]),
+        (["a.v1.nii", "b.v1.nii", "c.v1.nii"], ["a.v2.nii", "b.v2.nii", "c.v2.nii"]),
+    ] {
+        pair(&method, &standard);
+        let refused = desk.refused(&["method.csv", "standard.csv"]);
+        assert!(refused.contains("no object is in both") && refused.contains(standard[0]), "{refused}");
+    }
+    for (method, standard) in [
+        (["p1.5mm.nii.gz", "p2.5mm.nii.gz", "p3.5mm.nii.gz"], ["p1.5mm", "p2.5mm", "p3.5mm"]),
+        (["sub-1.5mm.nii.gz", "sub-1.7mm.nii.gz", "sub-1.mha"], ["sub-1.5mm", "sub-1.7mm", "x/sub-1"]),
+    ] {
+        pair(&method, &standard);
+        assert!((desk.bias(&["method.csv", "standard.csv"]) - 10.0).abs() < 1e-12);
+        let document = desk.document(&["method.csv", "standard.csv"]);
+        let doubt = document["doubts"][0].as_str().unwrap();
+        let wanted = format!("only without their endings, as `{}` and `{}`", method[0], standard[0]);
+        assert!(doubt.contains(&wanted), "{doubt}");
+        assert!(text(&desk.compare(&["method.csv", "standard.csv"]).stdout).contains(doubt));
+    }
+    // Folders alone leave no doubt.
+    pair(&["x/a.nii", "x/b.nii", "x/c.nii"], &["y/a.nii", "y/b.nii", "y/c.nii"]);
+    assert_eq!(desk.document(&["method.csv", "standard.csv"])["doubts"].as_array().unwrap().len(), 0);
+}
+
 /// Where one of several files cannot be made, none is written.
 #[test]
 fn files_are_written_together() {

@@ -84,7 +84,7 @@ impl Creases {
         let normals = in_grid(surface, grid);
         let around = Surroundings::of(surface, areas, &normals, grid);
         let (faces, boxed_area) = (faces_along(&normals, areas), boxed_area(&normals, areas));
-        let mut creases = Self { faces, boxed_area, ..Self::default() };
+        let mut creases = Self { boxed_area, faces, ..Self::default() };
         let (mut sudden, mut wavy) = (0.0, 0.0);
         for ((vertex, &area), around) in surface.vertices.iter().zip(areas).zip(&around) {
             let [_, least] = vertex.curvature.principal();
