@@ -179,18 +179,15 @@ pub fn compare(
 }
 
 fn shared(method: &Table, standard: &Table) -> Result<Vec<ColumnPair>, TableError> {
-    let numeric = |table: &Table, name: &str| -> Vec<String> {
-        let numeric = table.numeric_columns();
-        table
-            .variants_of(name)
-            .into_iter()
-            .filter(|column| numeric.contains(column))
-            .map(str::to_owned)
-            .collect()
+    // What cannot be read is refused later, by name; only columns without any value are passed over.
+    let filled = |table: &Table, name: &str| -> Vec<String> {
+        let filled = table.filled_columns();
+        let variants = table.variants_of(name).into_iter();
+        variants.filter(|column| filled.contains(column)).map(str::to_owned).collect()
     };
     let mut columns = Vec::new();
     for name in MEASURES {
-        let (of_method, of_standard) = (numeric(method, name), numeric(standard, name));
+        let (of_method, of_standard) = (filled(method, name), filled(standard, name));
         if !of_method.is_empty() && !of_standard.is_empty() {
             columns.extend(pairs([method, standard], &of_method, &of_standard)?);
         }
