@@ -255,8 +255,9 @@ fn a_constant_standard() {
 fn names_that_have_points_in_them() {
     let desk = Desk::new();
     let table = |name: &str, inputs: &[&str], first: i32| {
-        let rows: String = inputs.iter().zip(first..).map(|(input, n)| format!("{input},{n}\n")).collect();
-        desk.write(name, &format!("input,volume_mm3\n{rows}"));
+        let rows: Vec<String> =
+            inputs.iter().zip(first..).map(|(input, n)| format!("{input},{n}\n")).collect();
+        desk.write(name, &format!("input,volume_mm3\n{}", rows.concat()));
     };
     let pair = |method: &[&str], standard: &[&str]| {
         table("method.csv", method, 11);
