@@ -249,6 +249,103 @@ fn a_constant_standard() {
     );
 }
 
+/// What follows a point may tell objects apart. Only endings of files are cut off, and that is told; the bias says who
+/// went with whom.
+#[test]
+fn names_that_have_points_in_them() {
+    let desk = Desk::new();
+    let table = |name: &str, inputs: &[&str], first: i32| {
+        let rows: Vec<String> =
+            inputs.iter().zip(first..).map(|(input, n)| format!("{input},{n}\n")).collect();
+        desk.write(name, &format!("input,volume_mm3\n{}", rows.concat()));
+    };
+    let pair = |method: &[&str], standard: &[&str]| {
+        table("method.csv", method, 11);
+        table("standard.csv", standard, 1);
+    };
+    for (method, standard) in [
+        (["S01.left", "S02.left", "S03.left"], ["S01.right", "S02.right", "S03.right"]),
+        (["p1.5mm", "p2.5mm", "p3.5mm"], ["p1.7mm", "p2.7mm", "p3.7mm"]),
+        (["a.v1.nii", "b.v1.nii", "c.v1.nii"], ["a.v2.nii", "b.v2.nii", "c.v2.nii"]),
+    ] {
+        pair(&method, &standard);
+        let refused = desk.refused(&["method.csv", "standard.csv"]);
+        assert!(refused.contains("no object is in both") && refused.contains(standard[0]), "{refused}");
+    }
+    for (method, standard) in [
+        (["p1.5mm.nii.gz", "p2.5mm.nii.gz", "p3.5mm.nii.gz"], ["p1.5mm", "p2.5mm", "p3.5mm"]),
+        (["sub-1.5mm.nii.gz", "sub-1.7mm.nii.gz", "sub-1.mha"], ["sub-1.5mm", "sub-1.7mm", "x/sub-1"]),
+    ] {
+        pair(&method, &standard);
+        assert!((desk.bias(&["method.csv", "standard.csv"]) - 10.0).abs() < 1e-12);
+        let document = desk.document(&["method.csv", "standard.csv"]);
+        let doubt = document["doubts"][0].as_str().unwrap();
+        let wanted = format!("only without their endings, as `{}` and `{}`", method[0], standard[0]);
+        assert!(doubt.contains(&wanted), "{doubt}");
+        assert!(text(&desk.compare(&["method.csv", "standard.csv"]).stdout).contains(doubt));
+    }
+    // Folders alone leave no doubt.
+    pair(&["x/a.nii", "x/b.nii", "x/c.nii"], &["y/a.nii", "y/b.nii", "y/c.nii"]);
+    assert_eq!(desk.document(&["method.csv", "standard.csv"])["doubts"].as_array().unwrap().len(), 0);
+}
+
+/// A column that is compared by default is passed over only where it has no value at all, never because it cannot be
+/// read.
+#[test]
+fn unreadable_columns_are_not_passed_over() {
+    let desk = Desk::new();
+    let area = "surface_area_mm2";
+    desk.write("method.csv", "input,volume_mm3,surface_area_mm2\na,11,1\nb,22,2\nc,33,4\n");
+    let table = |volumes: [&str; 3]| {
+        let [a, b, c] = volumes;
+        desk.write("standard.csv", &format!("input,volume_mm3,{area}\na,{a},1\nb,{b},2\nc,{c},4\n"));
+        desk.write("alone.csv", &format!("input,volume_mm3\na,{a}\nb,{b}\nc,{c}\n"));
+    };
+    for (volumes, wanted) in [
+        (
+            ["\"1,000.5\"", "\"2,000.5\"", "\"3,000.5\""],
+            "in column `volume_mm3`, with a sign between thousands",
+        ),
+        (["10 mm3", "20 mm3", "30 mm3"], "has `10 mm3` in column `volume_mm3`, which is no number"),
+        (["inf", "2", "3"], "a has `inf` in column `volume_mm3`, which is no number"),
+        (["1", "-1e999", "3"], "b has `-1e999` in column `volume_mm3`, which is no number"),
+    ] {
+        table(volumes);
+        for standard in ["standard.csv", "alone.csv"] {
+            let refused = desk.refused(&["method.csv", standard]);
+            assert!(refused.contains(wanted) && refused.contains(standard), "{refused}");
+        }
+    }
+    table(["NA", "", "-"]);
+    let document = desk.document(&["method.csv", "standard.csv"]);
+    let columns: Vec<&Value> =
+        document["measures"].as_array().unwrap().iter().map(|measure| &measure["column"]).collect();
+    assert_eq!(columns, [area]);
+    let refused = desk.refused(&["method.csv", "alone.csv"]);
+    assert!(refused.contains("or only such as have no value in one of them"), "{refused}");
+}
+
+/// A line that is no record is named by its number in the file, and united labels are one object in whatever order.
+#[test]
+fn records_a_line_each() {
+    let desk = Desk::new();
+    desk.write("method.csv", "input,label,volume_mm3\na,1+2,11\na,3,22\na,10+9,33\n");
+    let record = |label: &str, volume: &str| {
+        format!("{{\"input\": \"a\", \"label\": {label}, \"volume_mm3\": {volume}}}\n")
+    };
+    let good = record("\"2+1\"", "1") + "\n" + &record("3", "2") + &record("\"9+10\"", "3");
+    desk.write("standard.jsonl", &good);
+    assert!((desk.bias(&["method.csv", "standard.jsonl"]) - 20.0).abs() < 1e-12);
+    assert_eq!(desk.document(&["method.csv", "standard.jsonl"])["matched"], 3);
+    desk.write("standard.jsonl", &(good + &record("4", "NaN")));
+    let refused = desk.refused(&["method.csv", "standard.jsonl"]);
+    assert!(
+        refused.contains("standard.jsonl: not a document of results: line 5, column 42: expected value"),
+        "{refused}"
+    );
+    assert!(!refused.contains("line 1"), "{refused}");
+}
+
 /// Where one of several files cannot be made, none is written.
 #[test]
 fn files_are_written_together() {

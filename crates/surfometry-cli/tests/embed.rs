@@ -144,3 +144,20 @@ fn objects_that_share_a_label_are_refused() {
     }
     assert!(desk.embed(&["--label", "1+2"]).status.success());
 }
+
+/// Of several inputs the second has the name that the first one's image would get: nothing is written, not even of the
+/// input whose image would be in nobody's way.
+#[test]
+fn no_input_is_replaced() {
+    let desk = Desk::new(|at| u8::from(is_within(at) && (6..30).contains(&at[2])));
+    let names = ["x.nii.gz", "a.nii.gz", "s_a.nii.gz"].map(|name| desk.path(name));
+    for name in &names {
+        std::fs::copy(desk.path("in.nii.gz"), name).unwrap();
+    }
+    let before = std::fs::read(&names[2]).unwrap();
+    let [x, a, s_a] = names.each_ref().map(|name| name.to_str().unwrap());
+    let output = run(&["embed", x, a, s_a, "-o", desk.path("s.nii.gz").to_str().unwrap()]);
+    assert_eq!(output.status.code(), Some(2), "{}", text(&output.stdout));
+    assert!(text(&output.stderr).contains("s_a.nii.gz: the output would replace the input"), "{output:?}");
+    assert!(!desk.path("s_x.nii.gz").exists() && std::fs::read(s_a).unwrap() == before);
+}

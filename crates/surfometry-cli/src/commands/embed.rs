@@ -9,6 +9,7 @@ use anyhow::{Context, Result, bail};
 use std::io::{self, IsTerminal};
 use std::path::PathBuf;
 use surfometry::Choice;
+use surfometry::inputs::{distinct_parts, with_parts};
 use surfometry::io::ResultOutput;
 use surfometry::measurement::CurvatureScale;
 use surfometry::runs::{Batch, EmbedTask, EmbeddedObject, FileLedger, MapFile};
@@ -36,7 +37,9 @@ pub(crate) struct Args {
 pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
     let plan = args.options.plan(CurvatureScale::AsMeasured)?;
     let inputs = expand(&args.inputs);
-    check_output(Some(&args.output), &inputs)?;
+    for part in distinct_parts(&inputs) {
+        check_output(Some(&with_parts(&args.output, part.as_slice())), &inputs)?;
+    }
     if MapFile::of_path(&args.output) != Some(MapFile::Voxels) {
         bail!("{}: the name must end in .nii or .nii.gz", args.output.display());
     }

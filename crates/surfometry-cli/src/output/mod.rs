@@ -58,6 +58,9 @@ pub(crate) fn check_output(file: Option<&Path>, inputs: &[String]) -> Result<()>
     unfinished.push(".partial");
     let outputs: Vec<PathBuf> =
         [path, Path::new(&unfinished)].iter().filter_map(|path| path.canonicalize().ok()).collect();
+    if outputs.is_empty() {
+        return Ok(());
+    }
     let same = |input: &String| {
         let is_there = |file: &PathBuf| file.canonicalize().is_ok_and(|i| outputs.contains(&i));
         let own = is_there(&PathBuf::from(input));

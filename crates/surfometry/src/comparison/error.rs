@@ -161,7 +161,7 @@ pub enum TableError {
         other: String,
     },
     /// Neither has what could be compared.
-    #[error("{method} and {standard} share none of the columns that are compared by default; name one", method = method.display(), standard = standard.display())]
+    #[error("{method} and {standard} share none of the columns that are compared by default, or only such as have no value in one of them; name one", method = method.display(), standard = standard.display())]
     NoMeasure {
         /// A file.
         method: PathBuf,

@@ -1,7 +1,7 @@
 //! Which rows of two tables are of the same object.
 
 use super::{ObjectKey, Row, Table, TableError};
-use crate::inputs::{Kind, split};
+use crate::inputs::{Kind, known_stem};
 use std::collections::BTreeMap;
 use std::path::Path;
 
@@ -14,11 +14,14 @@ pub struct Matching<'a> {
     pub only_method: Vec<ObjectKey>,
     /// Objects of the standard alone.
     pub only_standard: Vec<ObjectKey>,
+    /// Whether names are the same only without their endings.
+    pub without_endings: bool,
 }
 
 impl<'a> Matching<'a> {
     /// Matches by input, label and component, as far as both tables have them; where no input is in both
-    /// tables, by the inputs' file names without their folders, and then without their endings.
+    /// tables, by the inputs' file names without their folders, and then without the endings of files that are
+    /// read or written, `.gz` around them too: other points are the names' own, as in `left.1.5mm`.
     ///
     /// # Errors
     /// [`TableError::Twice`], [`TableError::NoMatch`].
@@ -32,10 +35,11 @@ impl<'a> Matching<'a> {
             label: if labels { key.label.clone() } else { String::new() },
             component: if components { key.component.clone() } else { String::new() },
         };
-        for input_of in [whole, without_folder, without_ending] {
+        let ways: [(NameOf, bool); 3] = [(whole, false), (without_folder, false), (without_ending, true)];
+        for (input_of, without_endings) in ways {
             let found = Self::by(method, standard, |key| known(key, input_of(&key.input)))?;
             if !found.pairs.is_empty() {
-                return Ok(found);
+                return Ok(Self { without_endings, ..found });
             }
         }
         let first = |table: &Table| table.rows.first().map_or_else(String::new, |row| row.key.to_string());
@@ -47,6 +51,15 @@ impl<'a> Matching<'a> {
         })
     }
 
+    /// What is assumed where names are the same only without their endings.
+    pub(super) fn doubt(&self) -> Option<String> {
+        let (own, other) = self.pairs.first().filter(|_| self.without_endings)?;
+        let [own, other] = [own, other].map(|row| &row.key.input);
+        Some(format!(
+            "names are the same only without their endings, as `{own}` and `{other}`: check that they are of the same objects"
+        ))
+    }
+
     fn by(
         method: &'a Table,
         standard: &'a Table,
@@ -54,7 +67,12 @@ impl<'a> Matching<'a> {
     ) -> Result<Self, TableError> {
         by_name(method, &name)?;
         let mut standards = by_name(standard, &name)?;
-        let mut found = Self { pairs: Vec::new(), only_method: Vec::new(), only_standard: Vec::new() };
+        let mut found = Self {
+            pairs: Vec::new(),
+            only_method: Vec::new(),
+            only_standard: Vec::new(),
+            without_endings: false,
+        };
         for row in &method.rows {
             match standards.remove(&name(&row.key)) {
                 Some(other) => found.pairs.push((row, other)),
@@ -85,6 +103,9 @@ pub(crate) fn by_name(
     Ok(rows)
 }
 
+/// What of an input's name counts.
+type NameOf = fn(&str) -> &str;
+
 fn whole(input: &str) -> &str {
     input
 }
@@ -95,8 +116,6 @@ fn without_folder(input: &str) -> &str {
 
 fn without_ending(input: &str) -> &str {
     let name = without_folder(input);
-    let (stem, ending) = split(name);
-    // What a number ends in is no ending, nor is anything of a phantom.
-    let is_number = ending.chars().skip(1).all(|c| c.is_ascii_digit());
-    if is_number || !Kind::of(input).is_path() { name } else { stem }
+    // What a phantom's name ends in is a value.
+    if Kind::of(input).is_path() { known_stem(name) } else { name }
 }

@@ -118,7 +118,8 @@ pub struct Comparison {
     pub only_method: Vec<ObjectKey>,
     /// Objects of the standard alone.
     pub only_standard: Vec<ObjectKey>,
-    /// Numbers that may be meant a thousand times as large, where nothing in their table tells.
+    /// What was assumed and may be wrong: that names are of the same object which are the same only without their
+    /// endings; how numbers are meant that may be a thousand times as large, where nothing in their table tells.
     pub doubts: Vec<String>,
     /// What the method's rows of the matched objects say of themselves.
     pub method_rows: RowsTold,
@@ -157,7 +158,7 @@ pub fn compare(
         matched: matching.pairs.len(),
         only_method: matching.only_method.clone(),
         only_standard: matching.only_standard.clone(),
-        doubts: Vec::new(),
+        doubts: matching.doubt().into_iter().collect(),
         method_rows: RowsTold::of(method, &own),
         standard_rows: RowsTold::of(standard, &others),
         measures: Vec::new(),
@@ -178,18 +179,15 @@ pub fn compare(
 }
 
 fn shared(method: &Table, standard: &Table) -> Result<Vec<ColumnPair>, TableError> {
-    let numeric = |table: &Table, name: &str| -> Vec<String> {
-        let numeric = table.numeric_columns();
-        table
-            .variants_of(name)
-            .into_iter()
-            .filter(|column| numeric.contains(column))
-            .map(str::to_owned)
-            .collect()
+    // What cannot be read is refused later, by name; only columns without any value are passed over.
+    let filled = |table: &Table, name: &str| -> Vec<String> {
+        let filled = table.filled_columns();
+        let variants = table.variants_of(name).into_iter();
+        variants.filter(|column| filled.contains(column)).map(str::to_owned).collect()
     };
     let mut columns = Vec::new();
     for name in MEASURES {
-        let (of_method, of_standard) = (numeric(method, name), numeric(standard, name));
+        let (of_method, of_standard) = (filled(method, name), filled(standard, name));
         if !of_method.is_empty() && !of_standard.is_empty() {
             columns.extend(pairs([method, standard], &of_method, &of_standard)?);
         }

@@ -70,9 +70,16 @@ impl Sheet {
     }
 
     fn of_lines(path: &Path, text: &str) -> Result<Self, TableError> {
-        let wrong = |e: serde_json::Error| TableError::Document { path: path.to_owned(), why: e.to_string() };
-        let lines = text.lines().filter(|line| !line.trim().is_empty());
-        let records = lines.map(serde_json::from_str).collect::<Result<Vec<Value>, _>>().map_err(wrong)?;
+        let wrong = |line: usize, error: &serde_json::Error| {
+            // Of a line by itself it tells that it is the first.
+            let told = error.to_string();
+            let what = told.rsplit_once(" at line ").map_or(told.as_str(), |(what, _)| what);
+            let why = format!("line {line}, column {}: {what}", error.column());
+            TableError::Document { path: path.to_owned(), why }
+        };
+        let lines = (1..).zip(text.lines()).filter(|(_, line)| !line.trim().is_empty());
+        let records = lines.map(|(number, line)| serde_json::from_str(line).map_err(|e| wrong(number, &e)));
+        let records = records.collect::<Result<Vec<Value>, _>>()?;
         Ok(Self::of_records(path, &records))
     }
 

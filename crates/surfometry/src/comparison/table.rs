@@ -19,7 +19,8 @@ const MISSING: [&str; 7] = ["", "na", "n/a", "nan", "null", "none", "-"];
 pub struct ObjectKey {
     /// The column `input`.
     pub input: String,
-    /// The column `label`, whole numbers without a point (1 for 1.0); empty without it.
+    /// The column `label`, whole numbers without a point (1 for 1.0), united labels in ascending order (1+2 for 2+1);
+    /// empty without it.
     pub label: String,
     /// The column `component`; empty without it.
     pub component: String,
@@ -55,15 +56,15 @@ impl Row {
         cell_of(&self.cells, &self.places, column)
     }
 
-    /// A cell's number; `None` of an empty cell, of one that says that there is no value (NA, NaN, null, none,
-    /// -), and of infinity.
+    /// A cell's number; `None` of an empty cell and of one that says that there is no value (NA, NaN, null, none,
+    /// -).
     ///
     /// # Errors
-    /// The cell's text, where it is no number.
+    /// The cell's text, where it is no number, or infinity.
     pub fn number(&self, column: &str) -> Result<Option<f64>, &str> {
         match self.cell(column) {
             text if is_missing(text) => Ok(None),
-            text => text.parse::<f64>().map(|v| Some(v).filter(|v| v.is_finite())).map_err(|_| text),
+            text => text.parse::<f64>().ok().filter(|v| v.is_finite()).map(Some).ok_or(text),
         }
     }
 
@@ -89,6 +90,18 @@ pub(super) fn whole_number_text(text: &str) -> String {
         Some(value) => format!("{}", value as i64),
         None if is_missing(text) => String::new(),
         None => text.to_owned(),
+    }
+}
+
+/// A label as [`whole_number_text`] has it; of united ones each, in ascending order.
+fn label_text(text: &str) -> String {
+    let parts: Option<Vec<i64>> = text.split('+').map(|part| part.trim().parse().ok()).collect();
+    match parts {
+        Some(mut labels) if labels.len() > 1 => {
+            labels.sort_unstable();
+            labels.iter().map(i64::to_string).collect::<Vec<_>>().join("+")
+        }
+        _ => whole_number_text(text),
     }
 }
 
@@ -248,7 +261,7 @@ impl Table {
             let cell = |column: &str| cell_of(&cells, &places, column);
             let key = ObjectKey {
                 input: if by_file { stem.clone() } else { cell(named).to_owned() },
-                label: whole_number_text(label.map_or("", cell)),
+                label: label_text(label.map_or("", cell)),
                 component: whole_number_text(cell("component")),
             };
             self.rows.push(Row::new(key, cells, &places));
@@ -261,11 +274,20 @@ impl Table {
 
     /// Columns that hold a number in any row, and are not part of an object's name.
     pub(super) fn numeric_columns(&self) -> Vec<&str> {
-        let number = |column: &&str| {
+        self.columns_with(|found| matches!(found, Ok(Some(_))))
+    }
+
+    /// Columns that hold anything in any row, be it unreadable, and are not part of an object's name.
+    pub(super) fn filled_columns(&self) -> Vec<&str> {
+        self.columns_with(|found| !matches!(found, Ok(None)))
+    }
+
+    fn columns_with(&self, is_wanted: impl Fn(Result<Option<f64>, &str>) -> bool) -> Vec<&str> {
+        let is_one = |column: &&str| {
             !["label", "component"].contains(column)
-                && self.rows.iter().any(|row| matches!(row.number(column), Ok(Some(_))))
+                && self.rows.iter().any(|row| is_wanted(row.number(column)))
         };
-        self.columns.iter().map(String::as_str).filter(number).collect()
+        self.columns.iter().map(String::as_str).filter(is_one).collect()
     }
 }
 

@@ -88,13 +88,13 @@ impl Table {
         !self.variants_of(name).is_empty()
     }
 
-    /// What a name stands for: the column, or, where there is none, those of the methods that give numbers.
+    /// What a name stands for: the column, or, where there is none, those of the methods that give anything.
     pub(super) fn variants_of(&self, name: &str) -> Vec<&str> {
         if let Some(column) = self.columns.iter().find(|column| *column == name) {
             return vec![column];
         }
         let is_variant = |column: &&str| column.strip_prefix(name).is_some_and(|rest| rest.starts_with(AT));
-        self.numeric_columns().into_iter().filter(is_variant).collect()
+        self.filled_columns().into_iter().filter(is_variant).collect()
     }
 }
 

@@ -11,7 +11,7 @@ mod phantom;
 mod slabs;
 
 pub use error::InputError;
-pub(crate) use names::split;
+pub(crate) use names::known_stem;
 pub use names::{distinct_parts, grey_image_warning, input_title, with_parts};
 
 use crate::accuracy::Flag;

@@ -1,6 +1,7 @@
 //! Names of the files that several objects are written to.
 
 use super::Kind;
+use crate::io::{Format, MeshFormat};
 use std::collections::HashSet;
 use std::path::{Component, Path, PathBuf};
 
@@ -67,13 +68,32 @@ pub fn distinct_parts(inputs: &[String]) -> Vec<Option<String>> {
 }
 
 /// Stem and ending, the dot included.
-pub(crate) fn split(name: &str) -> (&str, &str) {
+fn split(name: &str) -> (&str, &str) {
     let lower = name.to_lowercase();
     let double =
         DOUBLE.iter().find(|ending| lower.ends_with(**ending)).map(|ending| name.len() - ending.len());
     // A leading dot hides a file and begins no ending.
     let single = name.rfind('.').filter(|&at| at > 0);
     double.or(single).filter(|&at| name.is_char_boundary(at)).map_or((name, ""), |at| name.split_at(at))
+}
+
+/// Endings of files that are read or written, beside those of images and meshes.
+const OTHERS: [&str; 9] = [".raw", ".surf.gii", ".tsv", ".json", ".jsonl", ".png", ".svg", ".html", ".htm"];
+
+/// A name without the ending of a file that is read or written, and `.gz` around it. Nothing else is cut off: what
+/// follows a point may tell objects apart, as `S01.left` and `S01.right`.
+pub(crate) fn known_stem(name: &str) -> &str {
+    let images = Format::ENDINGS.iter().flat_map(|(_, endings)| endings.iter());
+    // `.surf.gii` before `.gii`.
+    let endings = OTHERS.iter().chain(images).chain(&MeshFormat::EXTENSIONS);
+    let packed = before(name, ".gz").unwrap_or(name);
+    endings.copied().find_map(|ending| before(packed, ending)).unwrap_or(name)
+}
+
+/// What is in front of an ending, in upper or lower case; `None` where nothing is, or the name ends otherwise.
+fn before<'a>(name: &'a str, ending: &str) -> Option<&'a str> {
+    let (stem, end) = name.split_at_checked(name.len().checked_sub(ending.len())?)?;
+    (end.eq_ignore_ascii_case(ending) && !stem.is_empty()).then_some(stem)
 }
 
 #[cfg(test)]
@@ -108,5 +128,17 @@ mod tests {
         assert_eq!(input_stem("scans/L4.nii.gz"), "L4");
         assert_eq!(input_stem("phantom:torus?major=3"), "torus");
         assert_eq!(input_stem("é.nrrd"), "é");
+    }
+
+    #[test]
+    fn only_endings_of_files_are_cut_off() {
+        for name in ["S01.left", "p1.5mm", "sub-1.5mm.v2", "scan_2024.01.05", "a.gz", ".nii", "a.", "é.tif"]
+        {
+            assert_eq!(known_stem(name), name);
+        }
+        for ending in [".nii", ".NII.GZ", ".img.gz", ".nrrd", ".csv.gz", ".surf.gii", ".gii", ".ply", ".raw"]
+        {
+            assert_eq!(known_stem(&format!("p1.5mm{ending}")), "p1.5mm");
+        }
     }
 }

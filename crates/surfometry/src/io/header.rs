@@ -23,6 +23,14 @@ pub enum Format {
 const SUPPORTED: &str = "supported are NIfTI (.nii, .nii.gz, .hdr/.img), MetaImage (.mha, .mhd), NRRD (.nrrd, .nhdr) and NumPy (.npy)";
 
 impl Format {
+    /// How names of its files end.
+    pub(crate) const ENDINGS: [(Self, &[&str]); 4] = [
+        (Self::Nifti, &[".nii", ".nii.gz", ".hdr", ".hdr.gz", ".img", ".img.gz"]),
+        (Self::MetaImage, &[".mha", ".mhd"]),
+        (Self::Nrrd, &[".nrrd", ".nhdr"]),
+        (Self::Npy, &[".npy"]),
+    ];
+
     /// The format of a file, by its name.
     ///
     /// # Errors
@@ -50,13 +58,7 @@ impl Format {
             ));
         }
         let name = path.file_name().unwrap_or_default().to_string_lossy().to_lowercase();
-        let endings: [(Self, &[&str]); 4] = [
-            (Self::Nifti, &[".nii", ".nii.gz", ".hdr", ".hdr.gz", ".img", ".img.gz"]),
-            (Self::MetaImage, &[".mha", ".mhd"]),
-            (Self::Nrrd, &[".nrrd", ".nhdr"]),
-            (Self::Npy, &[".npy"]),
-        ];
-        let known = endings.iter().find(|(_, list)| list.iter().any(|e| name.ends_with(e)));
+        let known = Self::ENDINGS.iter().find(|(_, list)| list.iter().any(|e| name.ends_with(e)));
         known.map(|(format, _)| *format).ok_or_else(|| {
             ReadError::UnknownFormat(format!("the file's ending names no format that is read; {SUPPORTED}"))
         })
