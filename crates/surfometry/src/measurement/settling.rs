@@ -65,11 +65,6 @@ impl Measured {
         feasible && self.flags.iter().any(|flag| DOUBTS.contains(&flag.code))
     }
 
-    /// Whether parts are so thin that a blur moves both of their sides, of which its errors know nothing.
-    fn is_thin(&self) -> bool {
-        self.flags.iter().any(|flag| flag.code == FlagCode::ThinForSigma)
-    }
-
     /// What the errors of A and M amount to together: their product, in which neither's unit counts; without bound where
     /// one is not known. A alone would leave noisy masks to the blur, whose M then has no error to speak of.
     fn uncertainty(&self) -> f64 {
@@ -89,9 +84,7 @@ pub(crate) fn settled(
     }
     let again = choices.prepare(object.mask())?.under(object.control());
     let mut found = again.measure();
-    if found.uncertainty() >= measured.uncertainty()
-        && !(measured.is_thin() && found.uncertainty().is_finite())
-    {
+    if found.uncertainty() >= measured.uncertainty() {
         // Both count the same voxels; a blur may not see the faces that the grid moves as a whole.
         let errors = [&measured, &found].map(|one| one.standard_error.volume_mm3);
         let volume_mm3 = errors.into_iter().flatten().reduce(f64::max);
