@@ -85,11 +85,7 @@ pub(crate) fn settled(
     let again = choices.prepare(object.mask())?.under(object.control());
     let mut found = again.measure();
     if found.uncertainty() >= measured.uncertainty() {
-        // Both count the same voxels; a blur may not see the faces that the grid moves as a whole.
-        let errors = [&measured, &found].map(|one| one.standard_error.volume_mm3);
-        let volume_mm3 = errors.into_iter().flatten().reduce(f64::max);
-        let standard_error = SurfaceValues { volume_mm3, ..measured.standard_error };
-        return Ok((object, Measured { standard_error, ..measured }));
+        return Ok((object, measured));
     }
     found.timings = found.timings.plus(&measured.timings);
     Ok((again, found))
