@@ -25,7 +25,6 @@ if TYPE_CHECKING:
     import pandas
 
 
-
 def _prepared(
     image: object,
     spacing: float | Sequence[float] | None,
@@ -57,6 +56,13 @@ def _chosen(local: Mapping[str, object]) -> dict[str, object]:
         "padding", "paper", "explain", "per_component",
     )  # fmt: skip
     return {name: local[name] for name in names if name in local}
+
+
+def _only(found: list[Any]) -> Any:
+    """What there is of the one object."""
+    if len(found) != 1:
+        raise several_objects(len(found))
+    return found[0]
 
 
 def measure(
@@ -146,9 +152,7 @@ def measure(
     known, options = _prepared(image, spacing, _chosen(locals()), names, name)
     with session(threads, progress, one_object=label is None) as running:
         records = json.loads(_core.measure(Request(known, options, running)))
-    if len(records) != 1:
-        raise several_objects(len(records))
-    measured = Measurement(records[0])
+    measured = Measurement(_only(records))
     warn_of({measured.input: list(measured.flags)}, stacklevel=2)
     return measured
 
@@ -368,14 +372,13 @@ def surface(
     known, options = _prepared(image, spacing, _chosen(locals()), name=name)
     with session(threads, progress, one_object=label is None) as running:
         found = _core.surface(Request(known, options, running), _scale(curvature_sigma))
-    if len(found) != 1:
-        raise several_objects(len(found))
-    record = json.loads(found[0]["record"])
-    if not len(found[0]["faces"]):
+    mapped = _only(found)
+    record = json.loads(mapped["record"])
+    if not len(mapped["faces"]):
         raise InputError(
             "nothing is left inside the level set at this sigma and level, so there is no surface; use a smaller sigma"
         )
-    made = surface_of(found[0], record, "RAS" if isinstance(known, str) else known.frame)
+    made = surface_of(mapped, record, "RAS" if isinstance(known, str) else known.frame)
     warn_of({made.measurement.input: list(made.measurement.flags)}, stacklevel=2)
     return made
 
@@ -424,12 +427,11 @@ def voxel_maps(
     known, options = _prepared(image, spacing, _chosen(locals()), name=name)
     with session(threads, progress, one_object=label is None) as running:
         found = _core.voxel_maps(Request(known, options, running), _scale(curvature_sigma), asked)
-    if len(found) != 1:
-        raise several_objects(len(found))
+    maps = _only(found)
     if isinstance(known, str):
         # Its place in the world, not its voxels: those are measured already.
         known = read(known, spacing, threads=threads)
-    return {quantity: known.given_back(array) for quantity, array in found[0]["arrays"].items()}
+    return {quantity: known.given_back(array) for quantity, array in maps["arrays"].items()}
 
 
 def read(

@@ -34,6 +34,16 @@ def simpleitk_image():
     return image
 
 
+def itk_image():
+    """The package, where it is installed, and the same in it."""
+    itk = pytest.importorskip("itk")
+    image = itk.image_from_array(turned_body())
+    image.SetSpacing(X_FIRST)
+    image.SetDirection(itk.matrix_from_array(oblique_directions()))
+    image.SetOrigin(ORIGIN)
+    return itk, image
+
+
 def centroid_index():
     return np.argwhere(turned_body().T).mean(axis=0)
 
@@ -75,11 +85,7 @@ def test_simpleitk_with_another_spacing():
 
 
 def test_itk_with_a_region_that_does_not_begin_at_zero():
-    itk = pytest.importorskip("itk")
-    image = itk.image_from_array(turned_body())
-    image.SetSpacing(X_FIRST)
-    image.SetDirection(itk.matrix_from_array(oblique_directions()))
-    image.SetOrigin(ORIGIN)
+    _, image = itk_image()
     region = image.GetLargestPossibleRegion()
     region.SetIndex([5, -7, 11])
     image.SetRegions(region)
@@ -151,11 +157,7 @@ def test_xarray_that_grows_downward_in_micrometres():
 
 
 def test_xarray_of_itk():
-    itk = pytest.importorskip("itk")
-    image = itk.image_from_array(turned_body())
-    image.SetSpacing(X_FIRST)
-    image.SetDirection(itk.matrix_from_array(oblique_directions()))
-    image.SetOrigin(ORIGIN)
+    itk, image = itk_image()
     measured = surfometry.measure(itk.xarray_from_image(image))
     check_place(measured, RAS_OF_LPS @ lps_affine(oblique_directions(), ORIGIN))
 

@@ -5,6 +5,7 @@
 #![expect(clippy::needless_pass_by_value, reason = "arguments of Python come as values")]
 
 mod array_source;
+mod arrays;
 mod compared;
 mod errors;
 mod input;

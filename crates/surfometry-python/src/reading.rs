@@ -1,10 +1,9 @@
 //! Inputs as arrays.
 
+use crate::arrays::array_of;
 use crate::input::{Held, rows_of_affine};
 use crate::options::{Options, choices};
 use crate::session::Session;
-use numpy::ndarray::Array;
-use numpy::{Element, IntoPyArray};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use serde_json::json;
@@ -59,26 +58,18 @@ macro_rules! for_each_type {
             }
         }
 
-        fn as_array(py: Python<'_>, samples: Samples, dimensions: [usize; 3]) -> PyResult<Bound<'_, PyAny>> {
+        fn as_array(
+            py: Python<'_>,
+            samples: Samples,
+            [nx, ny, nz]: [usize; 3],
+        ) -> PyResult<Bound<'_, PyAny>> {
             match samples {
-                $(Samples::$variant(values) => shaped(py, values, dimensions),)+
+                $(Samples::$variant(values) => array_of(py, values, (nz, ny, nx)),)+
             }
         }
     };
 }
 for_each_type!(U8, I8, U16, I16, U32, I32, U64, I64, F32, F64);
-
-fn shaped<T: Element>(
-    py: Python<'_>,
-    values: Vec<T>,
-    [nx, ny, nz]: [usize; 3],
-) -> PyResult<Bound<'_, PyAny>> {
-    let array = Array::from_shape_vec((nz, ny, nx), values);
-    Ok(array
-        .map_err(|e| pyo3::exceptions::PyRuntimeError::new_err(e.to_string()))?
-        .into_pyarray(py)
-        .into_any())
-}
 
 /// The affine (rows, RAS) of an image that states directions, one an axis, x first.
 #[pyfunction]

@@ -1,10 +1,10 @@
 //! Surfaces and voxel maps as arrays.
 
+use crate::arrays::array_of;
 use crate::errors::{of_run, raise};
 use crate::input::Request;
 use crate::measured::{collected, text};
 use crate::options::{chosen, curvature, plan};
-use numpy::ndarray::Array;
 use numpy::{IntoPyArray, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -52,11 +52,7 @@ fn as_arrays(py: Python<'_>, mapped: MappedSurface) -> PyResult<Bound<'_, PyDict
 /// Triples as an array of three columns, without a copy.
 fn rows<T: numpy::Element>(py: Python<'_>, triples: Vec<[T; 3]>) -> PyResult<Bound<'_, PyAny>> {
     let shape = (triples.len(), 3);
-    let array = Array::from_shape_vec(shape, triples.into_flattened());
-    Ok(array
-        .map_err(|e| pyo3::exceptions::PyRuntimeError::new_err(e.to_string()))?
-        .into_pyarray(py)
-        .into_any())
+    array_of(py, triples.into_flattened(), shape)
 }
 
 /// Maps an object: record as JSON, and arrays (z, y, x) by the name of the quantity.
@@ -76,9 +72,7 @@ pub(crate) fn voxel_maps<'py>(
         let [nx, ny, nz] = maps.record.measured.grid.dimensions;
         let (given, arrays) = (PyDict::new(py), PyDict::new(py));
         for (quantity, values) in quantities.iter().zip(maps.maps) {
-            let array = Array::from_shape_vec((nz, ny, nx), values)
-                .map_err(|e| pyo3::exceptions::PyRuntimeError::new_err(e.to_string()))?;
-            arrays.set_item(quantity.name(), array.into_pyarray(py))?;
+            arrays.set_item(quantity.name(), array_of(py, values, (nz, ny, nx))?)?;
         }
         given.set_item("record", text(&maps.record)?)?;
         given.set_item("arrays", arrays)?;

@@ -150,8 +150,9 @@ const OF_LOST: f64 = 0.55;
 /// units of the share that is sharp; M may be short of the integral of |H| by somewhat more, as at tips.
 const OF_SUSPECTED: [f64; 2] = [0.25, 0.5];
 const MEAN_SUSPECTED: f64 = 1.2;
-/// What is given back, and of it the error, where hollows or the grid tell such edges; where flat faces along the grid meet,
-/// which lie between voxels so that none tells of an edge; and of what acute edges may have lost.
+/// What is given back of such area where hollows or the grid tell that it is edges; what is, and by how much that may be wrong,
+/// where flat faces along the grid meet, which lie between voxels so that none tells of an edge, and of what acute edges may
+/// have lost.
 const TOLD: f64 = 0.15;
 const GRIDDED: [f64; 2] = [0.12, 0.12];
 const ACUTE: [f64; 2] = [0.1, 0.4];
@@ -231,12 +232,11 @@ impl Recovered {
             + given_back[0];
         let of_edge = EDGES_LOST[1] * lost * edges / mesh.area * mesh.absolute_mean_curvature;
         let mean = mesh.total_mean_curvature + of_mean + of_edge + given_back[1];
-        let of_pose = self.errors_of_pose(&mesh, [of_area, of_mean], left_of_terraces(spacing, sigma));
+        // A surface that voxels happen to make larger is a parallel one, too.
         let too_large = noise.curved / mesh.area;
-        let of_pose = [
-            libm::hypot(of_pose[0], 2.0 * mesh.total_mean_curvature * too_large),
-            libm::hypot(of_pose[1], gaussian * too_large),
-        ];
+        let sampled = [2.0 * mesh.total_mean_curvature * too_large, gaussian * too_large];
+        let terraces = left_of_terraces(spacing, sigma);
+        let of_pose = self.errors_of_pose(&mesh, [of_area, of_mean], sampled, terraces);
         let [edges_of_area, edges_of_mean] = mesh.errors_of_edges();
         let of_edges = [libm::hypot(edges_of_area, noise.faces_of_area), edges_of_mean];
         let [area_error, mean_error] = [0, 1].map(|n| libm::hypot(of_pose[n], of_edges[n]));
@@ -251,9 +251,16 @@ impl Recovered {
         };
         Some([of(area, mean, mean / area), of(area_error, mean_error, average_error)])
     }
-    /// Errors of A and M that hang on where the object lies in the grid, on noise and on the shift, by what the shift changes
-    /// and what terraces leave.
-    fn errors_of_pose(&self, mesh: &Mesh, shift: [f64; 2], terraces: [f64; 2]) -> [f64; 2] {
+
+    /// Errors of A and M that hang on where the object lies in the grid, on noise and on the shift, by what the shift changes,
+    /// what sampling does to them and what terraces leave.
+    fn errors_of_pose(
+        &self,
+        mesh: &Mesh,
+        shift: [f64; 2],
+        sampled: [f64; 2],
+        terraces: [f64; 2],
+    ) -> [f64; 2] {
         let lost = self.summary.share();
         let sharp = mesh.sharp_share();
         let unseen = libm::hypot(OF_NOISE * self.summary.noise, UNSEEN * sharp * sharp);
@@ -261,7 +268,7 @@ impl Recovered {
         let whole = [mesh.area, mesh.absolute_mean_curvature];
         [0, 1].map(|n| {
             let share = of_all(&[POSES[n], left[n], unseen, terraces[n]]);
-            libm::hypot(whole[n] * share, OF_SHIFT[n] * shift[n])
+            of_all(&[whole[n] * share, OF_SHIFT[n] * shift[n], sampled[n]])
         })
     }
 }
