@@ -359,3 +359,49 @@ fn files_are_written_together() {
     assert!(!desk.path("page.html").exists() && !desk.path("chart.png").exists());
     assert_eq!(desk.document(&["method.csv", "method.csv"])["matched"], 2);
 }
+
+/// One file name in each subject's folder, as FreeSurfer has it, may pair other subjects: that is told, where both tables
+/// have folders, with the names; not where one has none, or they are the same.
+#[test]
+fn names_in_other_folders_are_told_of() {
+    let desk = Desk::new();
+    let table = |name: &str, folder: &str| {
+        let rows: Vec<String> =
+            (1..4).map(|label| format!("{folder}seg.nii.gz,{label},{label}5\n")).collect();
+        desk.write(name, &format!("input,label,volume_mm3\n{}", rows.concat()));
+    };
+    for (folders, is_told) in
+        [(["/d/S01/", "/m/S02/"], true), (["/d/S01/", ""], false), (["d/", "d/"], false)]
+    {
+        table("method.csv", folders[0]);
+        table("standard.csv", folders[1]);
+        let doubts = desk.document(&["method.csv", "standard.csv"])["doubts"].to_string();
+        let wanted = "only without their folders, as `/d/S01/seg.nii.gz` and `/m/S02/seg.nii.gz`";
+        assert_eq!(doubts.contains(wanted), is_told, "{doubts}");
+        assert_eq!(doubts == "[]", !is_told, "{doubts}");
+    }
+}
+
+/// A column `error` of numbers is a standard error of another program; one of words tells which inputs failed, and how many
+/// those are is said.
+#[test]
+fn failures_are_words_and_counted() {
+    let desk = Desk::new();
+    let table = |name: &str, errors: [&str; 4]| {
+        let rows: Vec<String> =
+            errors.iter().zip(1..).map(|(error, n)| format!("s{n},{n}5,{error}\n")).collect();
+        desk.write(name, &format!("input,volume_mm3,error\n{}", rows.concat()));
+    };
+    table("numbers.csv", ["0.1", "2e-3", "", "4"]);
+    table("words.csv", ["", "cannot be read", "", "no object"]);
+    let counts = |tables: [&str; 2]| {
+        let document = desk.document(&tables);
+        [&document["matched"], &document["method_rows"]["failed"], &document["standard_rows"]["failed"]]
+            .map(|count| count.as_u64().unwrap())
+    };
+    assert_eq!(counts(["numbers.csv", "numbers.csv"]), [4, 0, 0]);
+    assert_eq!(counts(["numbers.csv", "words.csv"]), [2, 0, 2]);
+    let compared = desk.compare(&["words.csv", "words.csv"]);
+    let said = text(&compared.stdout);
+    assert_eq!(said.matches("2 rows more are of inputs that failed").count(), 2, "{said}");
+}

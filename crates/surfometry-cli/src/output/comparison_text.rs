@@ -43,7 +43,8 @@ fn told_text(name: &str, rows: &RowsTold, objects: usize) -> String {
         let which = if flagged == 0 { String::new() } else { format!(" ({})", list(&rows.flags)) };
         format!("{flagged} of {objects} carry flags{which}")
     });
-    let told: Vec<String> = surfaces.into_iter().chain(flags).collect();
+    let failed = (rows.failed > 0).then(|| format!("{} rows more are of inputs that failed", rows.failed));
+    let told: Vec<String> = surfaces.into_iter().chain(flags).chain(failed).collect();
     if told.is_empty() { String::new() } else { format!("  {name}: {}\n", told.join("; ")) }
 }
 

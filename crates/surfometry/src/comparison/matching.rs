@@ -51,13 +51,22 @@ impl<'a> Matching<'a> {
         })
     }
 
-    /// What is assumed where names are the same only without their endings.
-    pub(super) fn doubt(&self) -> Option<String> {
-        let (own, other) = self.pairs.first().filter(|_| self.without_endings)?;
-        let [own, other] = [own, other].map(|row| &row.key.input);
-        Some(format!(
-            "names are the same only without their endings, as `{own}` and `{other}`: check that they are of the same objects"
-        ))
+    /// What is assumed where names are the same only without their endings, or where one file name stands for all and only
+    /// folders may tell subjects apart, as FreeSurfer has it.
+    pub(super) fn doubts(&self) -> Vec<String> {
+        let inputs = || self.pairs.iter().map(|(own, other)| [own, other].map(|row| row.key.input.as_str()));
+        let shortened = inputs().next().filter(|_| self.without_endings);
+        let mut names = inputs().map(|[own, _]| without_folder(own));
+        let is_one_name = names.next().is_some_and(|first| names.all(|name| name == first));
+        let moved = inputs().find(|names| is_one_name && are_in_other_folders(*names));
+        let told = [("endings", shortened), ("folders", moved)];
+        let words = |(part, names): (&str, Option<[&str; 2]>)| {
+            let [own, other] = names?;
+            Some(format!(
+                "names are the same only without their {part}, as `{own}` and `{other}`: check that they are of the same objects"
+            ))
+        };
+        told.into_iter().filter_map(words).collect()
     }
 
     fn by(
@@ -101,6 +110,13 @@ pub(crate) fn by_name(
         }
     }
     Ok(rows)
+}
+
+/// Whether both names have folders, and not the same.
+fn are_in_other_folders(names: [&str; 2]) -> bool {
+    let [own, other] =
+        names.map(|name| Path::new(name).parent().filter(|folder| !folder.as_os_str().is_empty()));
+    own.zip(other).is_some_and(|(own, other)| own != other)
 }
 
 /// What of an input's name counts.

@@ -73,6 +73,8 @@ pub struct EulerAgreement {
 /// What the rows of a table say of themselves, beside their numbers.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct RowsTold {
+    /// How many rows more are of inputs that failed.
+    pub failed: usize,
     /// How many carry warnings; `None` where the table has no column `flags`.
     pub flagged: Option<usize>,
     /// How many carry each.
@@ -86,6 +88,7 @@ impl RowsTold {
         let has_flags = table.columns.iter().any(|column| column == FLAGS);
         let surfaces = rows.iter().map(|row| row.cell("surface")).filter(|surface| !surface.is_empty());
         Self {
+            failed: table.failed,
             flagged: has_flags.then(|| rows.iter().filter(|row| row.flags().next().is_some()).count()),
             flags: counts(rows.iter().flat_map(|row| row.flags())),
             surfaces: counts(surfaces),
@@ -158,7 +161,7 @@ pub fn compare(
         matched: matching.pairs.len(),
         only_method: matching.only_method.clone(),
         only_standard: matching.only_standard.clone(),
-        doubts: matching.doubt().into_iter().collect(),
+        doubts: matching.doubts(),
         method_rows: RowsTold::of(method, &own),
         standard_rows: RowsTold::of(standard, &others),
         measures: Vec::new(),

@@ -148,7 +148,7 @@ impl TableFiles {
     /// All of them as one table. Where tables in a folder have no column of inputs, their files' names without
     /// the ending are the inputs.
     ///
-    /// Rows of inputs that failed (whose column `error` is not empty) are left out. Where an object has several
+    /// Rows of inputs that failed (whose column `error` has words) are left out and counted. Where an object has several
     /// rows that a column `method` tells apart, or what a sweep went over, they become one: the columns of each
     /// get the method's name after an `@`.
     ///
@@ -157,14 +157,13 @@ impl TableFiles {
     pub fn into_table(self, names: &KeyColumns) -> Result<Table, TableError> {
         let from_folder = self.path.is_dir();
         let mut table = Table::empty(self.path);
-        let mut failed = 0;
         for sheet in self.sheets {
             let by_file = from_folder && !sheet.columns.contains(&names.object);
-            failed += table.add(sheet, names, by_file)?;
+            table.add(sheet, names, by_file)?;
         }
         if table.rows.is_empty() {
             let columns = table.columns.join(", ");
-            return Err(TableError::NoRows { path: table.path, columns, failed });
+            return Err(TableError::NoRows { path: table.path, columns, failed: table.failed });
         }
         table.with_methods_as_columns()
     }
@@ -181,6 +180,8 @@ pub struct Table {
     pub columns: Vec<String>,
     /// Its rows.
     pub rows: Vec<Row>,
+    /// Rows of inputs that failed, which are left out.
+    pub failed: usize,
     /// The signs in its numbers, of the files with each separator.
     pub(super) decimals: BTreeMap<u8, Decimals>,
 }
@@ -196,7 +197,14 @@ impl Table {
     }
 
     fn empty(path: PathBuf) -> Self {
-        Self { path, files: Vec::new(), columns: Vec::new(), rows: Vec::new(), decimals: BTreeMap::new() }
+        Self {
+            path,
+            files: Vec::new(),
+            columns: Vec::new(),
+            rows: Vec::new(),
+            failed: 0,
+            decimals: BTreeMap::new(),
+        }
     }
 
     /// The number in a cell of a row of it; `None` of an empty cell.
@@ -226,8 +234,8 @@ impl Table {
         ))
     }
 
-    /// Takes a sheet's rows; says how many are of inputs that failed.
-    fn add(&mut self, sheet: Sheet, names: &KeyColumns, by_file: bool) -> Result<usize, TableError> {
+    /// Takes a sheet's rows.
+    fn add(&mut self, sheet: Sheet, names: &KeyColumns, by_file: bool) -> Result<(), TableError> {
         let Sheet { path, columns, records, text } = sheet;
         refuse_repeated(&path, &columns)?;
         let named = names.object.as_str();
@@ -238,10 +246,9 @@ impl Table {
         let stem = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         let places: Arc<HashMap<String, usize>> = Arc::new(columns.iter().cloned().zip(0..).collect());
         let is_name = |column: &str| [Some(named), label, Some("component")].contains(&Some(column));
-        let all = records.len();
-        let before = self.rows.len();
         for (number, mut cells) in records.into_iter().enumerate() {
-            if !is_missing(cell_of(&cells, &places, "error")) {
+            if is_failure(cell_of(&cells, &places, "error")) {
+                self.failed += 1;
                 continue;
             }
             if let Some((separator, lines)) = &text {
@@ -269,7 +276,7 @@ impl Table {
         self.files.push(path);
         let new: Vec<String> = columns.into_iter().filter(|column| !self.columns.contains(column)).collect();
         self.columns.extend(new);
-        Ok(all - (self.rows.len() - before))
+        Ok(())
     }
 
     /// Columns that hold a number in any row, and are not part of an object's name.
@@ -322,6 +329,11 @@ pub(super) fn refuse_repeated(path: &Path, columns: &[String]) -> Result<(), Tab
         Some(column) => Err(TableError::RepeatedColumn { path: path.to_owned(), column: column.clone() }),
         None => Ok(()),
     }
+}
+
+/// Whether a cell of the column `error` tells of a failure: other programs call a standard error so, which is a number.
+fn is_failure(cell: &str) -> bool {
+    !is_missing(cell.trim()) && with_point(cell).trim().parse::<f64>().is_err()
 }
 
 /// A number with a decimal comma, as files with semicolons have it, with a point; anything else as it is.
