@@ -2,7 +2,8 @@
 
 use super::{Indicator, Row};
 use crate::tiling::IndexBox;
-use crate::volume::{Grid, Mask};
+use crate::volume::{Grid, Mask, Shared};
+use std::sync::Arc;
 
 /// A mask and, at some of its voxels, how far the indicator is off the bit there.
 ///
@@ -10,10 +11,12 @@ use crate::volume::{Grid, Mask};
 /// the others.
 #[derive(Debug, Clone)]
 pub struct CorrectedMask {
-    mask: Mask,
+    mask: Arc<Mask>,
     bounds: IndexBox,
     /// In order of z, y, x; one a voxel.
     corrections: Vec<Correction>,
+    /// Number of the first at or above each slice of the bounds, and the end: most rows have none.
+    slices: Vec<usize>,
 }
 
 /// A voxel and what is added to its bit.
@@ -29,7 +32,8 @@ impl CorrectedMask {
     ///
     /// # Panics
     /// For a voxel outside the grid.
-    pub fn new(mask: Mask, corrections: impl IntoIterator<Item = ([usize; 3], f32)>) -> Self {
+    pub fn new(mask: impl Shared<Mask>, corrections: impl IntoIterator<Item = ([usize; 3], f32)>) -> Self {
+        let mask = mask.shared();
         let image = mask.grid().index_box();
         let placed = |(index, amount): ([usize; 3], f32)| {
             assert!(image.contains(index.map(|v| v as i64)), "voxel {index:?} lies outside the grid");
@@ -45,7 +49,9 @@ impl CorrectedMask {
         corrections.retain(|(_, amount)| *amount != 0.0);
         let voxels = corrections.iter().map(|(index, _)| IndexBox::voxel(index.map(i64::from)));
         let bounds = voxels.fold(mask.bounds(), |hull, voxel| hull.hull(&voxel));
-        Self { mask, bounds, corrections }
+        let before = |z: i64| corrections.partition_point(|(index, _)| i64::from(index[2]) < z);
+        let slices = (bounds.lower[2]..=bounds.upper[2]).map(before).collect();
+        Self { mask, bounds, corrections, slices }
     }
 
     /// The bits.
@@ -53,13 +59,18 @@ impl CorrectedMask {
         &self.mask
     }
 
-    /// The corrections from one place in memory order, z first, up to, not including, another.
-    fn between(&self, from: [i64; 3], to: [i64; 3]) -> &[Correction] {
-        let before = |place: [i64; 3]| {
-            self.corrections.partition_point(|correction| key(correction).map(i64::from) < place)
+    /// The corrections of a row from x0 up to, not including, x1.
+    fn in_row(&self, (x0, x1): (i64, i64), y: i64, z: i64) -> &[Correction] {
+        if !(self.bounds.lower[2]..self.bounds.upper[2]).contains(&z) {
+            return &[];
+        }
+        let number = (z - self.bounds.lower[2]) as usize;
+        let slice = &self.corrections[self.slices[number]..self.slices[number + 1]];
+        let before = |x: i64| {
+            slice.partition_point(|&([at_x, at_y, _], _)| (i64::from(at_y), i64::from(at_x)) < (y, x))
         };
-        let (from, to) = (before(from), before(to));
-        &self.corrections[from..to.max(from)]
+        let (from, to) = (before(x0), before(x1));
+        &slice[from..to.max(from)]
     }
 }
 
@@ -74,15 +85,15 @@ impl Indicator for CorrectedMask {
 
     fn uniform_in(&self, region: &IndexBox) -> Option<bool> {
         let bit = self.mask.uniform_in(region)?;
-        let IndexBox { lower: [x0, y0, z0], upper: [x1, y1, z1] } = region.intersection(&self.bounds);
-        let beside = |(index, _): &Correction| !(x0..x1).contains(&i64::from(index[0]));
-        (z0..z1).all(|z| self.between([z, y0, x0], [z, y1, x0]).iter().all(beside)).then_some(bit)
+        let near = region.intersection(&self.bounds);
+        let none_in = |(y, z)| self.in_row((near.lower[0], near.upper[0]), y, z).is_empty();
+        near.rows().all(none_in).then_some(bit)
     }
 
     fn read_row(&self, y: i64, z: i64, row: &mut Row) {
         self.mask.read_row(y, z, row);
         let (start, end) = row.span();
-        for &([x, ..], amount) in self.between([z, y, start], [z, y, end]) {
+        for &([x, ..], amount) in self.in_row((start, end), y, z) {
             row.add_amount(i64::from(x), amount);
         }
     }

@@ -12,7 +12,7 @@ use super::setup::Setup;
 use super::voxels::VoxelCounts;
 use super::warnings::{Evidence, NarrowPlace, raise_flags};
 use crate::accuracy::{CompensationTerms, ErrorModel, Flag, FlagCode, band_variance, compensation_terms};
-use crate::integrals::Integrals;
+use crate::integrals::{Integrals, SurfaceIntegrals};
 use crate::surface::SurfaceSummary;
 use crate::topology::VoxelTopology;
 use std::f64::consts::{FRAC_1_SQRT_2, TAU};
@@ -154,13 +154,16 @@ impl Setup {
         euler: Option<i64>,
     ) -> [SurfaceValues; 2] {
         let modelled = blurred.and_then(|blurred| Some((self.error_model(&blurred)?, blurred)));
+        let mut values = compensated(blurred, terms);
         // Copies of one part are all off in the same direction.
         let copies = f64::from(totals.voxels.symmetry(self.grid.spacing()));
         let compensated_errors = modelled.filter(|_| terms.is_some()).map(|(model, blurred)| {
             let (detail, spacing) = (&totals.sums.detail, self.grid.spacing());
             let lost = [detail.area(spacing), detail.total_mean_curvature(spacing)];
-            let errors = model.compensated(&blurred).with(lost[0], lost[1], &blurred.surface);
-            model.of_copies(copies, errors, &blurred)
+            let surface = &blurred.surface;
+            let errors = model.compensated(&blurred).with(lost[0], lost[1], surface);
+            let [area, mean] = off_by_volume(surface, values.volume_mm3.zip(counted));
+            model.of_copies(copies, errors, &blurred).with(area, mean, surface)
         });
         let faces = totals.recovered.map(|recovered| recovered.faces());
         let noise = modelled.map(|(model, blurred)| {
@@ -169,7 +172,6 @@ impl Setup {
             SamplingNoise { curved, of_faces, faces_of_area }
         });
         let mut errors = compensated_errors.as_ref().map(SurfaceValues::of_errors).unwrap_or_default();
-        let mut values = compensated(blurred, terms);
         if let Some([recovered, recovered_errors]) =
             totals.recovered.zip(counted).and_then(|(recovered, counted)| {
                 recovered.results(counted, self.grid.spacing(), self.parameters.sigma_mm?, noise?)
@@ -315,6 +317,14 @@ fn blurred_values(integrals: Option<Integrals>, open: Option<&OpenPart>) -> Surf
         values.euler_characteristic = values.total_gaussian_curvature.map(total);
     }
     values
+}
+
+/// Errors of A and M of a surface that lies off the object's, by as much as its volume tells: where walls are thin, each of
+/// their sides lies too far in, which M sees though V and A are small or cancel (Steiner's formulas; H^2 stands for K, whose
+/// signs cancel).
+fn off_by_volume(surface: &SurfaceIntegrals, volumes: Option<(f64, f64)>) -> [f64; 2] {
+    let off = volumes.map_or(0.0, |(own, counted)| (own - counted).abs() / surface.area);
+    [2.0 * surface.total_mean_curvature.abs() * off, surface.total_squared_mean_curvature * off]
 }
 
 fn compensated(blurred: Option<Integrals>, terms: Option<CompensationTerms>) -> SurfaceValues {

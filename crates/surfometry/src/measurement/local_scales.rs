@@ -52,7 +52,7 @@ impl Measurement {
             let setup =
                 Setup { control: setup.control.clone(), ..Setup::of_masks(&measurement, setup.grid).ok()? };
             let found = recovery(sigma, setup.truncation()).corrections_of_wide_blur(mask);
-            Some(AtScale { setup, voxels: Arc::new(CorrectedMask::new((**mask).clone(), found.amounts)) })
+            Some(AtScale { setup, voxels: Arc::new(CorrectedMask::new(mask, found.amounts)) })
         };
         let scales: Vec<AtScale> = scales.par_iter().filter_map(at).collect();
         let middle = &scales[scales.len() / 2];

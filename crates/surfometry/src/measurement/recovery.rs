@@ -8,6 +8,7 @@ use crate::surface::{Creases, Surface, VertexGeometry};
 use crate::volume::{Grid, Mask, Spacing};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
+use std::sync::Arc;
 
 /// How far beyond the centres of voxels that were lost the surface is asked to lie, at most, in geometric mean spacings: on thin
 /// parts it passes by the outermost centres otherwise (`experiments/recovering_embedding`).
@@ -68,13 +69,13 @@ struct Mesh {
 }
 
 /// The corrections of an object's mask.
-pub(super) fn recovered(setup: &Setup, mask: &Mask) -> (CorrectedMask, RecoverySummary) {
+pub(super) fn recovered(setup: &Setup, mask: &Arc<Mask>) -> (CorrectedMask, RecoverySummary) {
     let sigma = setup.parameters.sigma_mm.unwrap_or_default();
     let recovery =
         Recovery { sigma, truncation: setup.truncation(), price: Price::FromEvidence, margin: MARGIN };
     let found = recovery.corrections(mask);
     let summary = RecoverySummary::of(&found);
-    let corrected = CorrectedMask::new(mask.clone(), found.amounts);
+    let corrected = CorrectedMask::new(mask, found.amounts);
     (corrected, summary)
 }
 

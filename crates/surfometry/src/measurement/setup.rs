@@ -10,6 +10,7 @@ use crate::integrals::{Band, Quadrature, QuadratureRule, SmearedDelta};
 use crate::local_geometry::{CentralWeights, matched_weights};
 use crate::tiling::IndexBox;
 use crate::volume::{Grid, Mask, ProbabilityImage, Spacing};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// The choices for one image, filled in.
 #[derive(Debug, Clone)]
@@ -37,6 +38,15 @@ const LEAST_SIGMA: f64 = 1.2;
 /// The same in largest spacings: of thicker slices the blur leaves steps that are no smooth surface.
 const LEAST_SIGMA_OF_SLICES: f64 = 0.5;
 
+/// The last that were made: of an image's blur and recovering embedding, and of some labels' own choices.
+static LAST: Mutex<Vec<Setup>> = Mutex::new(Vec::new());
+const MOST_KEPT: usize = 8;
+
+/// Of a list that is whole whatever a thread that held it did.
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
 impl Setup {
     /// For objects that are masks.
     pub(super) fn of_masks(measurement: &Measurement, grid: Grid) -> Result<Self, MeasureError> {
@@ -63,7 +73,22 @@ impl Setup {
         Ok(Self { terraces, soft, ..setup })
     }
 
+    /// Of the last few, what was made before is taken again: weights and terraces are the same for all objects of an image,
+    /// and would take longer than measuring a small one.
     fn new(measurement: &Measurement, grid: Grid) -> Result<Self, MeasureError> {
+        let is_same = |made: &Self| made.measurement == *measurement && made.grid.spacing() == grid.spacing();
+        let known = lock(&LAST).iter().find(|made| is_same(made)).cloned();
+        if let Some(made) = known {
+            return Ok(Self { grid, ..made });
+        }
+        let made = Self::make(measurement, grid)?;
+        let mut last = lock(&LAST);
+        last.truncate(MOST_KEPT - 1);
+        last.insert(0, made.clone());
+        Ok(made)
+    }
+
+    fn make(measurement: &Measurement, grid: Grid) -> Result<Self, MeasureError> {
         let parameters = Parameters::resolve(measurement, grid.spacing())?;
         let delta = SmearedDelta::new(measurement.delta, parameters.epsilon, parameters.saturation());
         let band = Band::new(delta, parameters.thickness_mm);

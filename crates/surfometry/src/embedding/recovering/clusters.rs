@@ -1,6 +1,7 @@
 //! Corrections that depend on each other.
 
 use super::Listed;
+use super::links::Links;
 use super::pair_kernel::PairKernel;
 use super::solver::{self, Cluster};
 use super::voxel_list::VoxelList;
@@ -14,27 +15,35 @@ const SEEN: f64 = 1e-4;
 /// Which listed voxels see each other, and how much.
 #[derive(Debug)]
 pub(super) struct Clusters {
-    /// What a voxel's lambda does to the others' -s phi, by number on the list, ascending: 8 bytes a pair.
-    links: Vec<Vec<(u32, f32)>>,
+    /// What a voxel's lambda does to the others' -s phi, by number on the list.
+    links: Links,
     /// Numbers of each cluster's voxels, ascending; clusters in order of their first.
     members: Vec<Vec<u32>>,
 }
 
+/// Voxels that are listed together: each thread lists some hundred before it needs memory again.
+const AT_A_TIME: usize = 512;
+
 impl Clusters {
     pub(super) fn new(list: &VoxelList, directions: &[f64], kernel: &PairKernel) -> Self {
         let (reach, least) = (kernel.reach_above(SEEN), SEEN * kernel.peak());
-        let links_of = |number: usize| {
-            let mut links = Vec::new();
-            list.for_each_within(list.place(number), reach, &list.bounds(), |other, distance| {
+        let add_links = |links: &mut Links, number: usize| {
+            links.begin();
+            list.for_each_within(list.place(number), reach, |other, distance| {
                 let value = kernel.at(distance);
                 if other != number && value.abs() >= least {
-                    links.push((other as u32, (directions[number] * directions[other] * value) as f32));
+                    links.push(other as u32, (directions[number] * directions[other] * value) as f32);
                 }
             });
+        };
+        let of_some = |first: usize| {
+            let mut links = Links::default();
+            (first..list.len().min(first + AT_A_TIME)).for_each(|number| add_links(&mut links, number));
             links
         };
-        let links: Vec<Vec<(u32, f32)>> = (0..list.len()).into_par_iter().map(links_of).collect();
-        let members = groups(&links);
+        let parts: Vec<Links> = (0..list.len()).into_par_iter().step_by(AT_A_TIME).map(of_some).collect();
+        let links = Links::joined(parts);
+        let members = groups(&links, list.len());
         Self { links, members }
     }
 
@@ -44,31 +53,31 @@ impl Clusters {
 
     /// Lambdas that give every voxel its `given` back where that is negative, as far as caps allow; it is
     /// what -s phi is above the margin now.
-    pub(super) fn solve(&self, listed: &[Listed], given: &[f64], peak: f64) -> Vec<f64> {
+    pub(super) fn solve(self, listed: &[Listed], given: &[f64], peak: f64) -> Vec<f64> {
+        let cluster_of = |links: Links, members: &[u32]| {
+            let of = |values: &dyn Fn(usize) -> f64| members.iter().map(|&m| values(m as usize)).collect();
+            Cluster {
+                links,
+                lambdas: of(&|m| listed[m].lambda),
+                caps: of(&|m| listed[m].cap),
+                excess: of(&|m| given[m]),
+            }
+        };
+        // Most of what there are many of hang together: they are not copied.
+        if let [all] = self.members.as_slice() {
+            return solver::solve(cluster_of(self.links, all), peak);
+        }
         let mut place = vec![0u32; listed.len()];
         for members in &self.members {
             for (n, &member) in (0..).zip(members) {
                 place[member as usize] = n;
             }
         }
-        let solved: Vec<Vec<f64>> = self
+        let solved = self
             .members
             .par_iter()
-            .map(|members| {
-                let of =
-                    |values: &dyn Fn(usize) -> f64| members.iter().map(|&m| values(m as usize)).collect();
-                let link = |&(other, value): &(u32, f32)| (place[other as usize], value);
-                let links = members.iter().map(|&m| self.links[m as usize].iter().map(link).collect());
-                let mut cluster = Cluster {
-                    links: links.collect(),
-                    lambdas: of(&|m| listed[m].lambda),
-                    caps: of(&|m| listed[m].cap),
-                    excess: of(&|m| given[m]),
-                };
-                solver::solve(&mut cluster, peak);
-                cluster.lambdas
-            })
-            .collect();
+            .map(|members| solver::solve(cluster_of(self.links.of_members(members, &place), members), peak));
+        let solved: Vec<Vec<f64>> = solved.collect();
         let mut lambdas = vec![0.0; listed.len()];
         for (members, values) in self.members.iter().zip(solved) {
             for (&member, value) in members.iter().zip(values) {
@@ -80,18 +89,18 @@ impl Clusters {
 }
 
 /// The connected groups of a list.
-fn groups(links: &[Vec<(u32, f32)>]) -> Vec<Vec<u32>> {
+fn groups(links: &Links, count: usize) -> Vec<Vec<u32>> {
     let mut sets = DisjointSets::default();
-    sets.add(links.len());
-    for (number, links) in links.iter().enumerate() {
-        for &(other, _) in links.iter().filter(|link| (link.0 as usize) < number) {
+    sets.add(count);
+    for number in 0..count {
+        for &(other, _) in links.of(number).iter().filter(|link| (link.0 as usize) < number) {
             sets.join(number, other as usize);
         }
     }
     // The member that stands for a set is its first.
-    let mut group_of = vec![0; links.len()];
+    let mut group_of = vec![0; count];
     let mut groups: Vec<Vec<u32>> = Vec::new();
-    for number in 0..links.len() {
+    for number in 0..count {
         let root = sets.root(number);
         if root == number {
             group_of[number] = groups.len();

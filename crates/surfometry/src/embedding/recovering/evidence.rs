@@ -145,7 +145,7 @@ impl Window {
     /// What is around a violation among those of a list.
     fn around(&self, list: &VoxelList, (inside, depths): (&[bool], &[f64]), number: usize) -> Around {
         let mut around = Around::default();
-        list.for_each_within(list.place(number), self.reach(), &list.bounds(), |other, distance| {
+        list.for_each_within(list.place(number), self.reach(), |other, distance| {
             if other != number {
                 let depth = self.at(distance) * depths[other];
                 around.all += depth;

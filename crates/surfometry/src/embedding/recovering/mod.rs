@@ -3,6 +3,7 @@
 mod boundary;
 mod clusters;
 mod evidence;
+mod links;
 mod pair_kernel;
 mod price;
 mod solver;
@@ -15,12 +16,13 @@ mod tests;
 pub use price::Price;
 
 use super::EdgeProfile;
-use crate::volume::Mask;
+use crate::volume::{Mask, Shared};
 use boundary::Boundary;
 use clusters::Clusters;
 use evidence::Evidence;
 use pair_kernel::PairKernel;
 use spread::Spread;
+use std::sync::Arc;
 use voxel_list::VoxelList;
 
 /// Rounds of solving on the list and looking what is wrong now. Most objects take two to four, strict
@@ -127,11 +129,7 @@ impl Corrections {
     fn finish(&mut self, boundary: &Boundary, listed: &[Listed]) {
         self.left = boundary.wrong().count() as u64;
         self.capped = listed.iter().filter(|l| l.lambda >= l.cap).count() as u64;
-        let amount = |l: &Listed| {
-            let number = l.number as usize;
-            (boundary.voxels().index(number), (boundary.direction(number) * l.lambda) as f32)
-        };
-        self.amounts = listed.iter().filter(|l| l.lambda > 0.0).map(amount).collect();
+        self.amounts = boundary.amounts(lambdas(listed));
     }
 }
 
@@ -160,7 +158,8 @@ impl Recovery {
     /// listed as they turn out to be needed, at most one on either side of the boundary in half a sigma along
     /// each axis at a time, the deepest. Where both end with every sign right their fields differ by less
     /// than a thousandth of a voxel; what takes minutes with all listed takes seconds.
-    pub(crate) fn corrections_of_wide_blur(&self, mask: &Mask) -> Corrections {
+    pub(crate) fn corrections_of_wide_blur(&self, mask: impl Shared<Mask>) -> Corrections {
+        let mask = &mask.shared();
         let Begun { mut boundary, kernel, listed: candidates, evidence } = self.begun(mask);
         let mut found = Corrections::of_evidence(&boundary, &evidence, candidates.len());
         let spread = Spread::new(self.sigma, mask.grid().spacing().mm());
@@ -194,12 +193,13 @@ impl Recovery {
     }
 
     /// Whether a mask looks noisy at this sigma: as [`Corrections::noisy`], without solving for any.
-    pub(crate) fn is_noisy(&self, mask: &Mask) -> bool {
-        self.begun(mask).evidence.noisy
+    pub(crate) fn is_noisy(&self, mask: impl Shared<Mask>) -> bool {
+        self.begun(&mask.shared()).evidence.noisy
     }
 
     /// The corrections of a mask. The same bits whatever the number of threads.
-    pub fn corrections(&self, mask: &Mask) -> Corrections {
+    pub fn corrections(&self, mask: impl Shared<Mask>) -> Corrections {
+        let mask = &mask.shared();
         let Begun { mut boundary, kernel, mut listed, evidence } = self.begun(mask);
         let is_listed = |number: &u32| listed.binary_search_by_key(number, |l| l.number).is_ok();
         let wrong = boundary.wrong().map(|number| number as u32);
@@ -233,7 +233,7 @@ impl Recovery {
         self.sigma > edges.map(|(voxels, h)| 0.5 * voxels as f64 * h).fold(0.0, f64::max)
     }
 
-    fn begun(&self, mask: &Mask) -> Begun {
+    fn begun(&self, mask: &Arc<Mask>) -> Begun {
         let boundary = Boundary::new(mask, self.sigma, self.truncation);
         let kernel = PairKernel::corrected(self.sigma, mask.grid().spacing().mm(), self.truncation);
         let (listed, evidence) = self.first_list(mask, &boundary, &kernel);
@@ -250,7 +250,7 @@ impl Recovery {
             Price::Capped(price) => Evidence::given(price.max(0.0), wrong.len()),
             Price::FromEvidence => {
                 let widths = mask.grid().spacing().mm().map(|h| self.sigma / h);
-                Evidence::weigh(boundary, (&wrong, &depths), &boundary.fine_depths(mask), widths)
+                Evidence::weigh(boundary, (&wrong, &depths), &boundary.fine_depths(), widths)
             }
         };
         let to_lambda = unit / kernel.peak();
@@ -306,14 +306,15 @@ fn solve(boundary: &mut Boundary, kernel: &PairKernel, listed: &mut [Listed]) ->
         .zip(&directions)
         .map(|(l, direction)| -direction * boundary.phi(l.number as usize) - l.margin)
         .collect();
-    let lambdas = clusters.solve(listed, &given, kernel.peak());
-    let mut changes = Vec::new();
-    for (l, lambda) in listed.iter_mut().zip(lambdas) {
-        if (lambda - l.lambda).abs() * kernel.peak() >= solver::NOTHING {
-            changes.push((l.number, lambda - l.lambda));
-            l.lambda = lambda;
-        }
+    let count = clusters.count();
+    let solved = clusters.solve(listed, &given, kernel.peak());
+    for (l, lambda) in listed.iter_mut().zip(solved) {
+        l.lambda = lambda;
     }
-    boundary.add(&changes, kernel);
-    clusters.count()
+    boundary.blur(boundary.amounts(lambdas(listed)));
+    count
+}
+
+fn lambdas(listed: &[Listed]) -> impl Iterator<Item = (u32, f64)> {
+    listed.iter().map(|l| (l.number, l.lambda))
 }

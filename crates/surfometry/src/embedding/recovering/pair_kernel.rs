@@ -49,11 +49,6 @@ impl PairKernel {
         self.values[0]
     }
 
-    /// The farthest along each axis, in voxels.
-    pub(super) fn reach(&self) -> [i64; 3] {
-        self.extent.map(|n| n as i64 - 1)
-    }
-
     /// The farthest at which it matters to a solution, along each axis: beyond it is below a share of the
     /// peak.
     pub(super) fn reach_above(&self, share: f64) -> [i64; 3] {

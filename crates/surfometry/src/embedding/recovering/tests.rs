@@ -161,7 +161,7 @@ fn noise_is_not_recovered() {
         let body = mask_of(spacing, 19.0, ellipsoid);
         let clean = recovery(2.0, Price::FromEvidence).corrections(&body);
         assert!(!clean.noisy && clean.noise[0] < 0.01 && clean.left == 0 && clean.refused == 0, "{clean:?}");
-        let noisy = recovery(2.0, Price::FromEvidence).corrections(&flipped(&body, 30));
+        let noisy = recovery(2.0, Price::FromEvidence).corrections(flipped(&body, 30));
         assert!(noisy.noisy && noisy.noise[0] > 0.03 && noisy.refused * 4 > noisy.violated, "{noisy:?}");
         // What is refused makes the surface no larger; what is believed hardly does.
         let area = |mask: &Mask, price: Price| {
@@ -173,7 +173,7 @@ fn noise_is_not_recovered() {
             .map(|price| area(&flipped(&body, 30), price) / area(&body, Price::Strict) - 1.0);
         println!("area of a mask of which 3 % are flipped: {believed:+.3}, strictly {strict:+.3}");
         assert!(believed.abs() < 0.01 && strict > 0.01);
-        let tube = recovery(3.0, Price::FromEvidence).corrections(&mask_of(spacing, 19.0, capsule(2.0)));
+        let tube = recovery(3.0, Price::FromEvidence).corrections(mask_of(spacing, 19.0, capsule(2.0)));
         assert!(tube.refused == 0 && tube.left * 50 < tube.violated, "{tube:?}");
     }
 }
