@@ -2,12 +2,12 @@
 
 use super::band_voxels::GROUP as LANES;
 use super::matched_band::{BandPass, padded_width};
-use super::matched_weights::{CentralWeights, NODES_BETWEEN, PointWeights, SIDE, Weights};
+use super::matched_weights::{MatchedWeights, NODES_BETWEEN, PointWeights, SIDE, Weights};
 use super::{BandVoxels, Differentiation, Jet};
 use crate::embedding::GaussianEmbedding;
 use crate::tiling::{Block, IndexBox};
 use fearless_simd::{Level, dispatch, f32x8, prelude::*};
-use std::sync::OnceLock;
+use std::sync::Arc;
 
 /// First and second derivatives at a voxel from four voxels on each side.
 ///
@@ -18,8 +18,7 @@ use std::sync::OnceLock;
 #[derive(Debug)]
 pub struct MatchedDifferences<'a> {
     embedding: GaussianEmbedding<'a>,
-    weights: [CentralWeights; 3],
-    between: OnceLock<[PointWeights; 3]>,
+    weights: Arc<MatchedWeights>,
 }
 
 /// The smallest and the largest sigma in voxels for which the differences are right.
@@ -30,13 +29,13 @@ const REACH: i64 = SIDE as i64 + 1;
 impl<'a> MatchedDifferences<'a> {
     /// Differences of an embedding.
     pub fn new(embedding: GaussianEmbedding<'a>) -> Self {
-        let weights = matched_weights(embedding.sigma(), embedding.indicator().grid().spacing().mm());
-        Self::with_weights(embedding, weights)
+        let weights = MatchedWeights::new(embedding.sigma(), embedding.indicator().grid().spacing().mm());
+        Self::with_weights(embedding, Arc::new(weights))
     }
 
     /// The same with weights that are known already: fitting them takes longer than measuring a small object.
-    pub(crate) fn with_weights(embedding: GaussianEmbedding<'a>, weights: [CentralWeights; 3]) -> Self {
-        Self { embedding, weights, between: OnceLock::new() }
+    pub(crate) fn with_weights(embedding: GaussianEmbedding<'a>, weights: Arc<MatchedWeights>) -> Self {
+        Self { embedding, weights }
     }
 
     /// Whether a blur of sigma is neither too narrow nor too wide for voxels of a spacing (a hair is allowed
@@ -45,16 +44,6 @@ impl<'a> MatchedDifferences<'a> {
         let [low, high] = VALID;
         spacing.iter().all(|h| (low - 1e-3..=high + 1e-3).contains(&(sigma / h)))
     }
-}
-
-/// Weights along the three axes of a grid, for a blur of sigma.
-pub(crate) fn matched_weights(sigma: f64, spacing: [f64; 3]) -> [CentralWeights; 3] {
-    let mut weights = [CentralWeights::new(sigma, spacing[0]); 3];
-    for axis in 1..3 {
-        let same = spacing[axis] == spacing[axis - 1];
-        weights[axis] = if same { weights[axis - 1] } else { CentralWeights::new(sigma, spacing[axis]) };
-    }
-    weights
 }
 
 impl<'a> Differentiation for MatchedDifferences<'a> {
@@ -79,12 +68,11 @@ impl<'a> Differentiation for MatchedDifferences<'a> {
         half_width: f64,
         visit: &mut dyn FnMut(&BandVoxels),
     ) {
-        BandPass { field, weights: &self.weights, half_width }.visit(tile, visit);
+        BandPass { field, weights: self.weights.central(), half_width }.visit(tile, visit);
     }
 
     fn jets_at(&self, field: &Block<f32>, points: &[[f64; 3]]) -> Vec<Jet> {
-        let (sigma, spacing) = (self.embedding.sigma(), self.embedding.indicator().grid().spacing().mm());
-        let between = self.between.get_or_init(|| spacing.map(|h| PointWeights::new(sigma, h)));
+        let between = self.weights.between();
         dispatch!(Level::new(), simd => point_jets(simd, field, between, points))
     }
 }

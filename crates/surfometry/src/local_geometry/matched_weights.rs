@@ -1,6 +1,7 @@
 //! Weights of differences that are right where a blurred field has its spectrum.
 
 use std::f64::consts::PI;
+use std::sync::OnceLock;
 
 /// Voxels on each side of a voxel that its differences need.
 pub(super) const SIDE: usize = 4;
@@ -137,6 +138,38 @@ pub(crate) fn solved(mut system: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
     solutions
 }
 
+/// Weights along the three axes of a grid, for a blur of sigma, mm: at voxels, and between them once they are asked for.
+#[derive(Debug)]
+pub(crate) struct MatchedWeights {
+    sigma: f64,
+    spacing: [f64; 3],
+    central: [CentralWeights; 3],
+    between: OnceLock<[PointWeights; 3]>,
+}
+
+impl MatchedWeights {
+    pub(crate) fn new(sigma: f64, spacing: [f64; 3]) -> Self {
+        let central = by_axis(spacing, |h| CentralWeights::new(sigma, h));
+        Self { sigma, spacing, central, between: OnceLock::new() }
+    }
+
+    pub(super) fn central(&self) -> &[CentralWeights; 3] {
+        &self.central
+    }
+
+    pub(super) fn between(&self) -> &[PointWeights; 3] {
+        self.between.get_or_init(|| by_axis(self.spacing, |h| PointWeights::new(self.sigma, h)))
+    }
+}
+
+/// What depends on the spacing of an axis, made once where they are equal.
+fn by_axis<T: Clone>([x, y, z]: [f64; 3], make: impl Fn(f64) -> T) -> [T; 3] {
+    let along_x = make(x);
+    let along_y = if y == x { along_x.clone() } else { make(y) };
+    let along_z = if z == y { along_y.clone() } else { make(z) };
+    [along_x, along_y, along_z]
+}
+
 /// Differences at voxels: the antisymmetric and the symmetric half, from the nearest voxel outward, in f32.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct CentralWeights {
@@ -161,7 +194,7 @@ impl CentralWeights {
 const STEPS: usize = 128;
 
 /// Differences at any position of an axis.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(super) struct PointWeights(Vec<Weights<NODES_BETWEEN>>);
 
 impl PointWeights {

@@ -18,8 +18,7 @@ pub use finite_difference::FiniteDifferences;
 pub use gaussian_derivatives::GaussianDerivatives;
 pub use jet::Jet;
 pub use matched_difference::MatchedDifferences;
-pub(crate) use matched_difference::matched_weights;
-pub(crate) use matched_weights::{CentralWeights, solved};
+pub(crate) use matched_weights::{MatchedWeights, solved};
 pub use stencil::MINIMUM_POINTS;
 
 use crate::embedding::{Embedding, Precision};

@@ -13,6 +13,7 @@ use crate::local_geometry::{
 use crate::surface::{Surface, VertexExtras, cell_limits};
 use crate::tiling::IndexBox;
 use crate::volume::{FieldImage, Grid, Mask, ProbabilityImage};
+use std::sync::Arc;
 
 /// Largest sigma in voxels: the kernels' reach, five times that, is what a tile needs around it.
 const MOST_SIGMA_VOXELS: f64 = 400.0;
@@ -89,8 +90,8 @@ impl<'a> Scheme<'a> {
         let embedding = GaussianEmbedding::of_profile(indicator, &profile, level, truncation);
         Some(match setup.parameters.derivatives {
             Derivatives::Gaussian => Self::Gaussian(GaussianDerivatives::new(embedding)),
-            Derivatives::Matched => Self::Matched(match setup.weights {
-                Some(weights) => MatchedDifferences::with_weights(embedding, weights),
+            Derivatives::Matched => Self::Matched(match &setup.weights {
+                Some(weights) => MatchedDifferences::with_weights(embedding, Arc::clone(weights)),
                 None => MatchedDifferences::new(embedding),
             }),
             Derivatives::FiniteDifference => {

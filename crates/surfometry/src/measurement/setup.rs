@@ -7,10 +7,10 @@ use crate::Control;
 use crate::accuracy::{ErrorModel, SoftEdges, Terraces};
 use crate::embedding::{TRUNCATION, TRUNCATION_OF_BLUR};
 use crate::integrals::{Band, Quadrature, QuadratureRule, SmearedDelta};
-use crate::local_geometry::{CentralWeights, matched_weights};
+use crate::local_geometry::MatchedWeights;
 use crate::tiling::IndexBox;
 use crate::volume::{Grid, Mask, ProbabilityImage, Spacing};
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// The choices for one image, filled in.
 #[derive(Debug, Clone)]
@@ -21,7 +21,7 @@ pub(super) struct Setup {
     pub(super) quadrature: Quadrature,
     pub(super) grid: Grid,
     /// For matched differences.
-    pub(super) weights: Option<[CentralWeights; 3]>,
+    pub(super) weights: Option<Arc<MatchedWeights>>,
     /// How far integrals are from exact; `None` where that was not studied.
     pub(super) errors: Option<ErrorModel>,
     /// What the blur leaves of the voxels' steps; `None` where errors are.
@@ -104,7 +104,7 @@ impl Setup {
             weights: parameters
                 .sigma_mm
                 .filter(|_| parameters.derivatives == Derivatives::Matched)
-                .map(|sigma| matched_weights(sigma, grid.spacing().mm())),
+                .map(|sigma| Arc::new(MatchedWeights::new(sigma, grid.spacing().mm()))),
             errors,
             terraces: modelled.map(|(model, profile)| model.terraces(&profile, &delta)),
             soft: None,
