@@ -157,9 +157,9 @@ impl Setup {
         let mut values = compensated(blurred, terms);
         // Copies of one part are all off in the same direction.
         let copies = f64::from(totals.voxels.symmetry(self.grid.spacing()));
+        let (detail, spacing) = (&totals.sums.detail, self.grid.spacing());
+        let lost = [detail.area(spacing), detail.total_mean_curvature(spacing)];
         let compensated_errors = modelled.filter(|_| terms.is_some()).map(|(model, blurred)| {
-            let (detail, spacing) = (&totals.sums.detail, self.grid.spacing());
-            let lost = [detail.area(spacing), detail.total_mean_curvature(spacing)];
             let surface = &blurred.surface;
             let errors = model.compensated(&blurred).with(lost[0], lost[1], surface);
             let [area, mean] = off_by_volume(surface, values.volume_mm3.zip(counted));
@@ -174,7 +174,7 @@ impl Setup {
         let mut errors = compensated_errors.as_ref().map(SurfaceValues::of_errors).unwrap_or_default();
         if let Some([recovered, recovered_errors]) =
             totals.recovered.zip(counted).and_then(|(recovered, counted)| {
-                recovered.results(counted, self.grid.spacing(), self.parameters.sigma_mm?, noise?)
+                recovered.results(counted, spacing, self.parameters.sigma_mm?, noise?, lost)
             })
         {
             (values, errors) = (recovered, recovered_errors);
@@ -182,7 +182,7 @@ impl Setup {
         // Straight thin parts lie in the lattice as a whole; of a blur, faces are seen as far as they are flat still.
         let [thin, faces, flipped] = totals.recovered.map_or([1.0, copies.sqrt(), 0.0], |recovered| {
             let area = values.surface_area_mm2.unwrap_or_default();
-            [recovered.summary.thinness(), 1.0, recovered.summary.noise_of_volume(area, self.grid.spacing())]
+            [recovered.summary.thinness(), 1.0, recovered.summary.noise_of_volume(area, spacing)]
         });
         let counted_error =
             noise.map(|noise| libm::hypot(libm::hypot(noise.curved * thin, noise.of_faces * faces), flipped));

@@ -209,13 +209,15 @@ impl Recovered {
     }
 
     /// A, M and M / A of the object, and their standard errors: of the surface parallel to the mesh that has the voxels' volume.
-    /// On thin parts phi = 0 passes by the outermost centres, and so too far in.
+    /// On thin parts phi = 0 passes by the outermost centres, and so too far in. `lost_still` are the area and the integral of H of
+    /// what phi has on the wrong side in spite of corrections.
     pub(super) fn results(
         &self,
         volume: f64,
         spacing: Spacing,
         sigma: f64,
         noise: SamplingNoise,
+        lost_still: [f64; 2],
     ) -> Option<[SurfaceValues; 2]> {
         let mesh = self.surface?;
         let most = FURTHEST * spacing.geometric_mean();
@@ -240,7 +242,9 @@ impl Recovered {
         let of_pose = self.errors_of_pose(&mesh, [of_area, of_mean], sampled, terraces);
         let [edges_of_area, edges_of_mean] = mesh.errors_of_edges();
         let of_edges = [libm::hypot(edges_of_area, noise.faces_of_area), edges_of_mean];
-        let [area_error, mean_error] = [0, 1].map(|n| libm::hypot(of_pose[n], of_edges[n]));
+        // What was taken for noise is left to the blur, and not missing.
+        let left = if self.summary.noisy { [0.0; 2] } else { lost_still };
+        let [area_error, mean_error] = [0, 1].map(|n| of_all(&[of_pose[n], of_edges[n], left[n]]));
         // What edges lose of A says nothing of M.
         let average_error =
             libm::hypot(of_average([area, mean], of_pose, SHARED), of_average([area, mean], of_edges, 0.0));

@@ -18,9 +18,9 @@ const DOUBTS: [FlagCode; 8] = [
 
 /// Voxels from which on an object has a shape to speak of.
 const LEAST_VOXELS: u64 = 30;
-/// Surface, in faces of voxels, up to which an object is measured again without being asked: some seconds, and some 100 MB.
-/// Where all of a large network hangs together, corrections take ten times as long as its blur.
-const MOST_FACES: f64 = 1_048_576.0;
+/// Surface, in faces of voxels, up to which an object is measured again without being asked: some seconds, and half a
+/// gigabyte. Where all of a large network hangs together, corrections take ten times as long as its blur.
+const MOST_FACES: f64 = 524_288.0;
 
 impl Measurement {
     /// As [`Measurement::run`]; but what the default choices are doubtful of is measured again in the recovering

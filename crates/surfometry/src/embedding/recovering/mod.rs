@@ -33,7 +33,11 @@ const ROUNDS: usize = 24;
 /// together. Of an object with more, as white noise, nothing is corrected, and all is counted as refused and left.
 const MOST_LISTED: usize = 100_000;
 
-/// The same where they are listed as needed.
+/// Most violations that are weighed one by one: with more of them no more are solved for than with none weighed, and it takes
+/// minutes to tell.
+const MOST_WEIGHED: usize = 2 * MOST_LISTED;
+
+/// The same as [`MOST_LISTED`] where they are listed as needed.
 const MOST_SPREAD: usize = 20_000;
 
 /// What every listed voxel's |phi| should have at least, so that its sign does not hang on rounding: less
@@ -248,6 +252,7 @@ impl Recovery {
         let evidence = match self.price {
             Price::Strict => Evidence::given(f64::INFINITY, wrong.len()),
             Price::Capped(price) => Evidence::given(price.max(0.0), wrong.len()),
+            Price::FromEvidence if wrong.len() > MOST_WEIGHED => Evidence::given(0.0, wrong.len()),
             Price::FromEvidence => {
                 let widths = mask.grid().spacing().mm().map(|h| self.sigma / h);
                 Evidence::weigh(boundary, (&wrong, &depths), &boundary.fine_depths(), widths)
