@@ -1,5 +1,7 @@
 """The figures of docs/coming_from.md: the same masks measured by each tool, held against the exact shapes."""
 
+import re
+
 import numpy as np
 import pytest
 import pyvista
@@ -78,6 +80,15 @@ def test_the_table_is_what_the_tools_give():
     page = PAGE.read_text(encoding="utf-8")
     for row in rows():
         assert row in page, row
+
+
+def test_every_name_of_ours_on_the_page_is_one():
+    """What stands in single backticks in the second column is a function, a column, a field or a method's name."""
+    (record,) = surfometry.reference(SHAPES["ball"], methods=["crofton-13"])
+    known = {*surfometry.__all__, *record, "vertices", *surfometry.measure_labels(SHAPES["ball"], as_frame=False)}
+    cells = [line.split("|")[2] for line in PAGE.read_text(encoding="utf-8").splitlines() if line.startswith("| ")]
+    names = {name.replace(".", "_") for cell in cells for name in re.findall(r"`([a-z][a-z_.0-9]+)`", cell)}
+    assert len(names) > 15 and names <= known, names - known
 
 
 def test_the_same_numbers_have_the_same_value():
