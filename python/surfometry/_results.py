@@ -90,7 +90,7 @@ class Topology:
     components, cavities, handles : int or None
         How many pieces, enclosed holes and tunnels the voxels have, 26-connected.
     euler_characteristic_expected : float or None
-        What the band must see: the mean of its levels' (docs/quantities.md).
+        What the band must see: the weighted mean over its levels (docs/quantities.md).
     """
 
     euler_characteristic_mesh: float | None
