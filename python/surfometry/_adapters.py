@@ -176,12 +176,18 @@ def _of_napari(layer: Any) -> Image:
         return np.asarray(layer.data_to_world([*place[:leading], *index]), dtype=float)[leading:]
 
     corner = world(0, 0, 0)
-    units = [_millimetres(unit) for unit in (getattr(layer, "units", None) or [""] * (leading + 3))][leading:]
+    units = napari_units(layer)
     columns = [world(*step) - corner for step in np.eye(3)]
     # napari's axes and world both go z, y, x.
-    linear = (np.array(columns).T * np.array(units)[:, None])[::-1, ::-1]
+    linear = (np.array(columns).T * units[:, None])[::-1, ::-1]
     affine = np.column_stack([linear, (corner * units)[::-1]])
     return Image(three_axes(data), "zyx", _rows(affine), str(layer.name))
+
+
+def napari_units(layer: Any) -> NDArray[np.float64]:
+    """mm in the units of a layer's axes z, y, x."""
+    units = getattr(layer, "units", None) or [""] * 3
+    return np.array([_millimetres(unit) for unit in tuple(units)[-3:]])
 
 
 def _of_metatensor(image: Any) -> Image:

@@ -94,7 +94,7 @@ def measure(
     Parameters
     ----------
     image : array or image
-        A NumPy array of three axes, an image of SimpleITK, itk, nibabel, xarray, napari, MONAI, TorchIO or PyVista, a pair
+        A NumPy array of three axes, of booleans, integers or floats, an image of SimpleITK, itk, nibabel, xarray, napari, MONAI, TorchIO or PyVista, a pair
         (array, meta) of aimio-py, what `read` or `phantom` gave, a path, or the name of a built-in shape. Voxels are
         labels, 0 being background; with ``embedding="given"`` a field, negative inside; with ``embedding="probability"``
         probabilities.
@@ -139,6 +139,10 @@ def measure(
     -----
     SurfometryWarning
         Each flag of the result, once.
+
+    Notes
+    -----
+    Formulas, and where they are from: docs/quantities.md. How far to trust them: docs/accuracy.md.
 
     Examples
     --------
@@ -323,7 +327,16 @@ def reference(
     Returns
     -------
     list of dict
-        Records of ``surfometry reference --format json`` (docs/reference_methods.md), object by object.
+        Records of ``surfometry reference --format json`` (docs/contract.md), object by object.
+
+    Raises
+    ------
+    InputError, ParameterError, FileError, UnsupportedTypeError
+        As of `measure`, and for a method of no known name.
+
+    Notes
+    -----
+    The methods, where they are from, and what they are off by: docs/reference_methods.md.
     """
     known, options = _prepared(image, spacing, _chosen(locals()), name=name)
     with session(threads, progress) as running:
@@ -368,6 +381,15 @@ def surface(
     ------
     InputError, ParameterError, FileError, UnsupportedTypeError
         As of `measure`, and where nothing is left inside.
+
+    Warns
+    -----
+    SurfometryWarning
+        Each flag of its measurement, once.
+
+    Notes
+    -----
+    Curvature at vertices, its signs and its standard errors: docs/quantities.md. What they are off by: docs/accuracy.md.
     """
     known, options = _prepared(image, spacing, _chosen(locals()), name=name)
     with session(threads, progress, one_object=label is None) as running:
@@ -422,6 +444,11 @@ def voxel_maps(
     dict
         Maps by the quantity's name with its unit, such as ``mean_curvature_per_mm``: float32, of the same kind as the
         image and in the same place. Of a path they are of the kind that `read` gives.
+
+    Raises
+    ------
+    InputError, ParameterError, FileError, UnsupportedTypeError
+        As of `measure`, and for a quantity of no known name.
     """
     asked = [quantities] if isinstance(quantities, str) else list(quantities)
     known, options = _prepared(image, spacing, _chosen(locals()), name=name)
@@ -445,6 +472,8 @@ def read(
         A file of any format that ``surfometry measure`` takes, or ``phantom:NAME?key=value&...``.
     spacing : float or sequence of three floats, optional
         mm, in the order (z, y, x): replaces the file's, or supplies what it lacks; of a mesh that of the voxels.
+    threads : int, optional
+        As of `measure`.
 
     Returns
     -------
@@ -486,6 +515,11 @@ def phantom(name: str, spacing: float | Sequence[float] | None = None, **keys: f
     -------
     Image
         Labels as uint8, and `truth`: the exact integrals by the names of records.
+
+    Raises
+    ------
+    InputError
+        For a name or key that is not known.
 
     Examples
     --------
@@ -594,6 +628,11 @@ progress
         Its heading.
     curvature_sigma : float, {"auto", "local"} or None
         As of `surface`.
+
+    Raises
+    ------
+    InputError, ParameterError, FileError, UnsupportedTypeError
+        As of `measure`, where the page would replace the image, and where it cannot be written.
     """
     known, options = _prepared(image, spacing, _chosen(locals()), names, name)
     if isinstance(known, str) and Path(known).exists() and Path(output).exists() and Path(known).samefile(output):

@@ -25,7 +25,15 @@ _UNITS = ["mm³", "mm²", "mm", "1/mm", "", "", ""]
 
 @dataclass(frozen=True)
 class Flag:
-    """A warning: what a number cannot say (docs/flags.md)."""
+    """A warning: what a number cannot say (docs/flags.md).
+
+    Attributes
+    ----------
+    code : str
+        For machines, such as ``thick-slices``.
+    message : str
+        For people, with the sizes at hand.
+    """
 
     code: str
     message: str
@@ -69,7 +77,21 @@ class Values:
 
 @dataclass(frozen=True)
 class Topology:
-    """Exact Euler characteristics and what they are made of; None where one could not be had."""
+    """Exact Euler characteristics and what they are made of; None where one could not be had.
+
+    All are of the *surface*, twice those of the solid: ball 2, torus 0, shell 4 (docs/quantities.md).
+
+    Attributes
+    ----------
+    euler_characteristic_mesh : float or None
+        V - E + F of phi = 0 as a mesh.
+    euler_characteristic_voxels_26, euler_characteristic_voxels_6 : float or None
+        Of the voxels' surface, 26-connected and 6-connected.
+    components, cavities, handles : int or None
+        How many pieces, enclosed holes and tunnels the voxels have, 26-connected.
+    euler_characteristic_expected : float or None
+        What the band must see: the weighted mean over its levels (docs/quantities.md).
+    """
 
     euler_characteristic_mesh: float | None
     euler_characteristic_voxels_26: float | None
@@ -81,7 +103,7 @@ class Topology:
 
 
 class Measurement:
-    """The numbers of one object, of its surface as it was segmented unless `surface` says otherwise.
+    """The numbers of one object, of its surface as it was segmented unless ``surface`` says otherwise.
 
     All lengths are in mm. The record of the command line's JSON is in `to_dict()`, to the bit.
     """

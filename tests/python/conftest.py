@@ -70,3 +70,17 @@ def gyroid(size):
 
 
 ORIGIN = np.array([-120.5, 33.25, 870.0])
+
+
+class NapariLayer:
+    """What a labels layer of napari offers; napari itself wants Qt and 900 MB, and is there where scripts/napari has put it."""
+
+    def __init__(self, unit="pixel", scale=1.0, multiscale=False):
+        self.data = [turned_body(), turned_body()[::2, ::2, ::2]] if multiscale else turned_body()
+        self.multiscale, self.name, self.scale = multiscale, "labels", np.array(SPACING) * scale
+        self.translate, self.units = ORIGIN[::-1] * scale, (unit,) * 3
+
+    def data_to_world(self, position):
+        # Its affine turns what scale and translate have made.
+        turn = oblique_directions()[::-1, ::-1]
+        return turn @ (np.asarray(position) * self.scale + self.translate)

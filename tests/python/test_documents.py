@@ -3,14 +3,14 @@
 import doctest
 import importlib
 import pathlib
-import re
 
 import pytest
+from pages import blocks, run
 
 import surfometry
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-PAGES = [page for page in [ROOT / "README.md", *(ROOT / "docs").glob("*.md")] if "```python" in page.read_text()]
+PAGES = [page for page in [ROOT / "README.md", *(ROOT / "docs").glob("*.md")] if blocks(page)]
 MODULES = [surfometry, importlib.import_module("surfometry.skimage"), importlib.import_module("surfometry._measure")]
 
 
@@ -21,9 +21,7 @@ def test_pages_show_python():
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
 def test_lines_of_a_page_run(page, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
-    known = {}
-    for block in re.findall(r"^```python\n(.*?)^```", page.read_text(), re.MULTILINE | re.DOTALL):
-        exec(compile(block, str(page), "exec"), known)
+    known = run(page)
     assert known["surface"].measurement.euler_characteristic == 2
     assert len(capsys.readouterr().out.split()) == 3
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import pyvista
 import SimpleITK
-from conftest import ORIGIN, SHAPE, SPACING, numbers, oblique_directions, turned_body
+from conftest import ORIGIN, SHAPE, SPACING, NapariLayer, numbers, oblique_directions, turned_body
 
 import surfometry
 
@@ -195,20 +195,6 @@ def test_pair_of_aimio():
     assert numbers(measured) == numbers(surfometry.measure(simpleitk_image()))
     array, given = surfometry.voxel_maps((turned_body(), meta))["mean_curvature_per_mm"]
     assert array.shape == SHAPE and given == meta
-
-
-class NapariLayer:
-    """What a labels layer of napari offers; napari itself wants Qt, and is not installed here."""
-
-    def __init__(self, unit="pixel", scale=1.0, multiscale=False):
-        self.data = [turned_body(), turned_body()[::2, ::2, ::2]] if multiscale else turned_body()
-        self.multiscale, self.name, self.scale = multiscale, "labels", np.array(SPACING) * scale
-        self.translate, self.units = ORIGIN[::-1] * scale, (unit,) * 3
-
-    def data_to_world(self, position):
-        # Its affine turns what scale and translate have made.
-        turn = oblique_directions()[::-1, ::-1]
-        return turn @ (np.asarray(position) * self.scale + self.translate)
 
 
 @pytest.mark.parametrize("unit, scale, multiscale", [("pixel", 1, False), ("micrometer", 1000, True)])
