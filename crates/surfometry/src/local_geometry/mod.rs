@@ -19,8 +19,9 @@ pub use gaussian_derivatives::GaussianDerivatives;
 pub use jet::Jet;
 pub use matched_difference::MatchedDifferences;
 pub(crate) use matched_difference::matched_weights;
-pub(crate) use matched_weights::{CentralWeights, solved};
+pub(crate) use matched_weights::{CentralWeights, SIDE as MATCHED_SIDE, solved};
 pub use stencil::MINIMUM_POINTS;
+pub(crate) use stencil::Stencil;
 
 use crate::embedding::{Embedding, Precision};
 use crate::tiling::{Block, IndexBox};
