@@ -32,7 +32,8 @@ def image(size):
     z, y, x = torch.meshgrid(*[(torch.arange(size) - size / 2 + 0.3) * h for h in SPACING], indexing="ij")
     u, v = 0.8 * x + 0.6 * y, -0.6 * x + 0.8 * y
     r = size * 0.3
-    field = ((u / r) ** 2 + (v / (0.9 * r)) ** 2 + (z / (1.2 * r)) ** 2 + 0.12 * torch.sin(u / 5) * torch.cos(z / 6)).sqrt() - 1
+    radius = ((u / r) ** 2 + (v / (0.9 * r)) ** 2 + (z / (1.2 * r)) ** 2).sqrt()
+    field = radius - 1 + 0.06 * torch.sin(u / 5) * torch.cos(z / 6)
     return torch.sigmoid(-field * r / 0.8)[None, None].float()
 
 

@@ -11,7 +11,6 @@ numbers mean.
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
@@ -29,14 +28,14 @@ __all__ = ["BendingLoss", "MorphometryLoss", "integrals"]
 
 @torch.library.custom_op("surfometry::integrals", mutates_args=(), device_types=None)
 def _integrals(image: Tensor, spacing: list[float], options: str) -> Tensor:
-    found = differentiable.integrals(_on_host(image), _array_of(spacing, image), **json.loads(options))
+    found = differentiable.integrals(_on_host(image), _array_of(spacing, image), **_options(options))
     return torch.from_numpy(np.stack(found, axis=-1)).to(image)
 
 
 @torch.library.custom_op("surfometry::integrals_vjp", mutates_args=(), device_types=None)
 def _integrals_vjp(image: Tensor, weights: Tensor, spacing: list[float], options: str) -> Tensor:
     by_name = Integrals(*np.moveaxis(_on_host(weights), -1, 0))
-    gradient = differentiable.vjp(_on_host(image), by_name, _array_of(spacing, image), **json.loads(options))
+    gradient = differentiable.vjp(_on_host(image), by_name, _array_of(spacing, image), **_options(options))
     return torch.from_numpy(gradient).to(image)
 
 
@@ -65,6 +64,16 @@ _integrals.register_autograd(_backward, setup_context=_remember)
 
 def _on_host(tensor: Tensor) -> Any:
     return tensor.detach().cpu().contiguous().numpy()
+
+
+def _words(options: Mapping[str, Any]) -> str:
+    """Options as one text, which is what an operator may take. (Without JSON, which ``torch.compile`` cannot trace.)"""
+    return ",".join(f"{name}={value}" for name, value in options.items() if value is not None)
+
+
+def _options(words: str) -> dict[str, Any]:
+    """Options of such a text, in words, which `differentiable` takes for numbers."""
+    return dict(part.split("=", 1) for part in words.split(","))
 
 
 def _array_of(spacing: list[float], image: Tensor) -> Any:
@@ -97,7 +106,7 @@ def integrals(image: Tensor, spacing: Spacing | None = None, *, embedding: str, 
     lengths = _lengths(_spacing(spacing, image))
     if not image.dtype.is_floating_point or image.dtype.itemsize < 4:
         image = image.float()
-    found = _integrals(image, lengths, json.dumps({"embedding": embedding, **options}))
+    found = _integrals(image, lengths, _words({"embedding": embedding, **options}))
     return Integrals(*found.unbind(-1))
 
 
@@ -112,14 +121,19 @@ def _spacing(spacing: Spacing | None, *tensors: Tensor | None) -> Any:
 
 
 def _lengths(spacing: Any) -> list[float]:
-    """Three lengths, or three an image, in a row."""
+    """Three lengths, or three an image, in a row. (Without NumPy, which ``torch.compile`` takes for tensors.)"""
+    given = spacing.tolist() if isinstance(spacing, (Tensor, np.ndarray)) else spacing
     try:
-        lengths = np.asarray(spacing.tolist() if isinstance(spacing, Tensor) else spacing, dtype=float)
-        shape = (len(lengths), 3) if lengths.ndim == 2 else (3,)
-        return [float(length) for length in np.broadcast_to(lengths, shape).ravel()]
-    except (TypeError, ValueError) as error:
+        if isinstance(given, (int, float)):
+            return [float(given)] * 3
+        rows = [row if isinstance(row, (list, tuple)) else [row] for row in given]
+        lengths = [float(length) for row in rows for length in row]
+    except (TypeError, ValueError):
+        lengths = []
+    if not lengths or len(lengths) % 3:
         message = f"spacing={spacing!r}: three numbers in mm, in the order of the last three axes, one for all, or (B, 3)"
-        raise ParameterError(message, field="spacing") from error
+        raise ParameterError(message, field="spacing")
+    return lengths
 
 
 class _Loss(torch.nn.Module):

@@ -112,7 +112,7 @@ def test_what_makes_no_sense_is_refused():
     refused(surfometry.InputError, "values from 0 to 1", 8 * image, SPACING)
     refused(surfometry.InputError, "last three axes", image[0], SPACING)
     refused(surfometry.InputError, "positive", image, (1, 0, 1))
-    refused(surfometry.InputError, "finite", np.where(image > 0.5, np.nan, 1), SPACING, embedding="given")
+    refused(surfometry.InputError, "NaN", np.where(image > 0.5, np.nan, 1), SPACING, embedding="given")
     refused(surfometry.UnsupportedTypeError, "type", np.array(["a"]), SPACING)
     with pytest.raises(surfometry.ParameterError, match="area"):
         differentiable.vjp(image, {"area": 1}, SPACING, embedding="probability")

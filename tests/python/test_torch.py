@@ -44,9 +44,7 @@ def test_gradcheck(name):
 def test_operators_are_what_torch_expects(name):
     make, options = KINDS[name]
     image = torch.from_numpy(make())[None].requires_grad_()
-    import json
-
-    torch.library.opcheck(st._integrals, (image, list(SPACING), json.dumps(options)), atol=1e-6, rtol=1e-6)
+    torch.library.opcheck(st._integrals, (image, list(SPACING), st._words(options)), atol=1e-6, rtol=1e-6)
 
 
 def test_plain_torch_agrees():
@@ -81,11 +79,11 @@ def test_types_and_spacings():
     half = st.integrals(p.half(), SPACING, **options).surface_area
     assert single.dtype == half.dtype == torch.float32
     assert torch.allclose(half, single, rtol=1e-3)
-    own = st.integrals(p, torch.tensor([SPACING, [2 * h for h in SPACING]]), **options)
+    own = st.integrals(p, torch.tensor([SPACING, [2 * h for h in SPACING]], dtype=p.dtype), **options)
     assert own.total_gaussian_curvature.shape == (2, 2)
     alone = differentiable.integrals(p[1].numpy(), [2 * h for h in SPACING], **options)
     assert np.array_equal(own.surface_area[1], alone.surface_area)
-    p.pixdim = torch.tensor(SPACING)  # what a MetaTensor knows
+    p.pixdim = torch.tensor(SPACING, dtype=p.dtype)  # what a MetaTensor knows
     assert torch.equal(st.integrals(p, **options).volume, st.integrals(p, SPACING, **options).volume)
 
 
