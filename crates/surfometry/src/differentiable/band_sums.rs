@@ -25,7 +25,9 @@ impl<T: Copy + Into<f64> + Sync> BandSums<'_, T> {
         let slices: Vec<IntegralValues> =
             (0..self.extent[2]).into_par_iter().map(|z| self.of_slice(z)).collect();
         let mut total = IntegralValues::default();
-        slices.iter().for_each(|slice| total.add(slice, self.cell_volume));
+        for slice in &slices {
+            total.add(slice, self.cell_volume);
+        }
         total
     }
 

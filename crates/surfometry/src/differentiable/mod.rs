@@ -53,7 +53,7 @@ use transposable_blur::TransposableBlur;
 
 /// The smallest sigma, in voxels along every axis, for which differences of the blurred field are right.
 const LEAST_SIGMA: f64 = 1.75;
-/// Half of the reach of fourth-order differences within a block.
+/// Voxels that a fourth-order difference takes on each side of a voxel that is not at the end of its block.
 const FOURTH_ORDER_SIDE: usize = 2;
 
 /// Integrals of images of one grid, with their derivatives.
