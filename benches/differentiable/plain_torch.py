@@ -7,7 +7,6 @@ is compared with.
 import math
 
 import torch
-import torch.nn.functional as F
 
 EDGE = 2  # voxels that a fourth-order difference reaches
 
@@ -20,17 +19,18 @@ def kernel(sigma, spacing, truncation, like):
 
 
 def blur(p, sigma, spacing, truncation=5.0):
-    """Of (B, C, z, y, x), 0 beyond the edge, on a box larger by the kernel and the differences."""
-    taps = [kernel(sigma, h, truncation, p) for h in spacing]
-    grown = [len(k) // 2 + EDGE for k in taps]
-    out = F.pad(p, [n for size in reversed(grown) for n in (size, size)])
-    shape = out.shape
-    out = out.reshape(-1, 1, *shape[2:])
-    for axis, k in enumerate(taps):
-        size, padding = [1, 1, 1], [0, 0, 0]
-        size[axis], padding[axis] = len(k), len(k) // 2
-        out = F.conv3d(out, k.reshape(1, 1, *size), padding=padding)
-    return out.reshape(shape)
+    """Of (B, C, z, y, x), 0 beyond the edge, on a box larger by the kernel and the differences.
+
+    As products with banded matrices: of conv3d, conv1d, sums of shifted images and these, the fastest by far on a CPU.
+    """
+    for axis, h in enumerate(spacing, start=2):
+        taps = kernel(sigma, h, truncation, p)
+        radius, length = len(taps) // 2, p.shape[axis]
+        grown = radius + EDGE
+        offsets = (torch.arange(length + 2 * grown)[:, None] - grown - torch.arange(length)).abs()
+        matrix = torch.where(offsets <= radius, taps[(radius + offsets).clamp(max=2 * radius)], 0)
+        p = torch.tensordot(p, matrix, dims=([axis], [1])).movedim(-1, axis)
+    return p
 
 
 def part(f, axis, offset, length):

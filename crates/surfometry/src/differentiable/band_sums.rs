@@ -35,18 +35,12 @@ impl<T: Copy + Into<f64> + Sync> BandSums<'_, T> {
         let half_width = self.band.delta().half_width();
         let mut sums = IntegralValues::default();
         for y in 0..self.extent[1] {
-            let mut inside = 0.0;
-            for (x, &value) in self.row(y, z).iter().enumerate() {
-                let value: f64 = value.into();
-                if value < -half_width {
-                    inside += self.weights[0][x];
-                } else if value <= half_width {
-                    let index = [x, y, z];
-                    let jet = self.differences.jet(self.phi, index);
-                    sums.add(&IntegralValues::of_voxel(&jet, self.band), self.weight(index));
-                }
+            let row = self.row(y, z);
+            sums.volume += self.inside(row, half_width) * (self.weights[1][y] * self.weights[2][z]);
+            for x in band_places(row, half_width) {
+                let jet = self.differences.jet(self.phi, [x, y, z]);
+                sums.add(&IntegralValues::of_voxel(&jet, self.band), self.weight([x, y, z]));
             }
-            sums.volume += inside * self.weights[1][y] * self.weights[2][z];
         }
         sums
     }
@@ -79,16 +73,20 @@ impl<T: Copy + Into<f64> + Sync> BandSums<'_, T> {
     fn add_slice(&self, z: usize, weights: &IntegralValues, gradient: &mut [f64], first: usize) {
         let half_width = self.band.delta().half_width();
         for y in 0..self.extent[1] {
-            for (x, &value) in self.row(y, z).iter().enumerate() {
-                if value.into().abs() <= half_width {
-                    let index = [x, y, z];
-                    let mut weighted = IntegralValues::default();
-                    weighted.add(weights, self.weight(index) * self.cell_volume);
-                    let adjoint = adjoint_jet(&self.differences.jet(self.phi, index), self.band, &weighted);
-                    self.differences.add_transposed(&adjoint, index, gradient, first);
-                }
+            for x in band_places(self.row(y, z), half_width) {
+                let index = [x, y, z];
+                let mut weighted = IntegralValues::default();
+                weighted.add(weights, self.weight(index) * self.cell_volume);
+                let adjoint = adjoint_jet(&self.differences.jet(self.phi, index), self.band, &weighted);
+                self.differences.add_transposed(&adjoint, index, gradient, first);
             }
         }
+    }
+
+    /// Weights along x of a row's voxels that lie deeper than the band.
+    fn inside(&self, row: &[T], half_width: f64) -> f64 {
+        let deep = |value: f64| if value < -half_width { 1.0 } else { 0.0 };
+        row.iter().zip(self.weights[0]).map(|(&value, weight)| deep(value.into()) * weight).sum()
     }
 
     fn row(&self, y: usize, z: usize) -> &[T] {
@@ -98,4 +96,12 @@ impl<T: Copy + Into<f64> + Sync> BandSums<'_, T> {
     fn weight(&self, [x, y, z]: [usize; 3]) -> f64 {
         self.weights[0][x] * (self.weights[1][y] * self.weights[2][z])
     }
+}
+
+/// Places of a row that lie in the band. Whether there is any is asked first, without a branch: most rows have none.
+fn band_places<T: Copy + Into<f64>>(row: &[T], half_width: f64) -> impl Iterator<Item = usize> {
+    let within = move |value: T| value.into().abs() <= half_width;
+    let any = row.iter().fold(false, |any, &value| any | within(value));
+    let row = if any { row } else { &[] };
+    row.iter().enumerate().filter(move |(_, value)| within(**value)).map(|(x, _)| x)
 }
