@@ -232,7 +232,7 @@ impl Differentiable {
             None => (-LARGEST_FIELD_VALUE, LARGEST_FIELD_VALUE),
             Some(_) => (-PROBABILITY_TOLERANCE, 1.0 + PROBABILITY_TOLERANCE),
         };
-        let fits = |value: f64| (value >= least) & (value <= most);
+        let fits = |value: f64| (least..=most).contains(&value);
         // Without a branch in a part, for nearly always all fit.
         let all_fit = |part: &[T]| part.iter().fold(true, |all, &value| all & fits(value.into()));
         if image.par_chunks(PART).all(all_fit) {
