@@ -203,12 +203,12 @@ mod tests {
             let jet = differences.jet(&phi, index);
             let gradient = [x + y - 0.7 * z + 1.0, -2.0 * y + x + 0.2 * z, 0.6 * z - 0.7 * x + 0.2 * y - 2.0];
             let hessian = [1.0, -2.0, 0.6, 1.0, -0.7, 0.2];
-            // Matched weights are kept in single precision, that of 1 / spacing^2.
+            // Matched weights are kept in single precision, and values here go up to a hundred.
             assert!(
-                jet.gradient.iter().zip(gradient).all(|(a, b)| (a - b).abs() < 2e-5),
+                jet.gradient.iter().zip(gradient).all(|(a, b)| (a - b).abs() < 1e-4),
                 "{jet:?} {gradient:?}"
             );
-            assert!(jet.hessian.iter().zip(hessian).all(|(a, b)| (a - b).abs() < 2e-5), "{jet:?}");
+            assert!(jet.hessian.iter().zip(hessian).all(|(a, b)| (a - b).abs() < 1e-4), "{jet:?}");
         }
     }
 }
