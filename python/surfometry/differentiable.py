@@ -7,7 +7,7 @@ mean, where they hold and what they cost.
 >>> import numpy as np
 >>> from surfometry import differentiable
 >>> z, y, x = np.mgrid[-12:13, -12:13, -12:13]
->>> phi = np.sqrt(z**2 + y**2 + x**2) - 8.0  # negative inside a ball of 8 mm
+>>> phi = np.sqrt((z - 0.31) ** 2 + (y + 0.22) ** 2 + (x - 0.17) ** 2) - 8.0  # negative inside a ball of 8 mm
 >>> integrals = differentiable.integrals(phi, spacing=1, embedding="given")
 >>> bool(abs(integrals.surface_area / (4 * np.pi * 64) - 1) < 0.01)
 True

@@ -1,5 +1,7 @@
 """Integrals and their derivatives on arrays: against `measure`, central differences and closed forms."""
 
+import doctest
+
 import numpy as np
 import pytest
 from conftest import SPACING, turned_field
@@ -125,3 +127,7 @@ def test_nothing_is_no_error():
     found = differentiable.integrals(image, SPACING, embedding="given")
     assert found.volume.shape == (0, 2)
     assert differentiable.vjp(image, {"volume": 1}, SPACING, embedding="given").shape == image.shape
+
+
+def test_the_example_of_the_module():
+    assert doctest.testmod(differentiable) == (0, 8)
