@@ -23,6 +23,8 @@ __all__ = [
     "report",
     "compare",
     "affine_of_directions",
+    "integrals",
+    "integrals_vjp",
 ]
 
 VERSION: str
@@ -52,6 +54,14 @@ class _Request(Protocol):
     def options(self) -> dict[str, str]: ...
     @property
     def session(self) -> _Session: ...
+
+class _Integration(Protocol):
+    @property
+    def options(self) -> dict[str, str]: ...
+    @property
+    def spacings(self) -> list[list[float]]: ...
+    @property
+    def threads(self) -> int: ...
 
 class _Mesh(Protocol):
     @property
@@ -97,3 +107,7 @@ def compare(
 def affine_of_directions(
     directions: list[list[float]], spacing: list[float], origin: list[float], lps: bool
 ) -> list[list[float]]: ...
+def integrals(images: NDArray[Any], integration: _Integration) -> NDArray[float64]: ...
+def integrals_vjp(
+    images: NDArray[Any], weights: NDArray[float64], integration: _Integration
+) -> NDArray[Any]: ...

@@ -7,6 +7,7 @@
 mod array_source;
 mod arrays;
 mod compared;
+mod differentiated;
 mod errors;
 mod input;
 mod measured;
@@ -23,6 +24,8 @@ use pyo3::prelude::*;
 mod _core {
     #[pymodule_export]
     use crate::compared::compare;
+    #[pymodule_export]
+    use crate::differentiated::{integrals, integrals_vjp};
     #[pymodule_export]
     use crate::measured::{describe, measure, measure_columns, reference, sweep};
     #[pymodule_export]

@@ -127,6 +127,13 @@ impl Session<'_> {
     }
 }
 
+/// Does some work of a moment on so many threads, without the interpreter's lock. A signal is looked at when it is done.
+pub(crate) fn unlocked<T: Send>(py: Python, threads: usize, work: impl FnOnce() -> T + Send) -> PyResult<T> {
+    let pool = pool(threads).map_err(|e| PyRuntimeError::new_err(e.to_string()))?;
+    let worked = py.detach(|| catch_unwind(AssertUnwindSafe(|| pool.install(work))));
+    worked.map_err(|panic| of_panic(py, &*panic))
+}
+
 /// Hands out slices, unless the one who asked went away.
 fn answer(voxels: Option<&Voxels>, wanted: &SlicesWanted) {
     if let Some(voxels) = voxels {

@@ -17,6 +17,7 @@
 //! | choices to results, of one object or of an image | [`Measurement`], [`measurement`] |
 //! | many inputs, and where results go | [`runs`], [`Control`] |
 //! | figures and pages | [`pictures`], [`report`] |
+//! | integrals with their derivatives, for optimisation | [`differentiable`] |
 //! | classical estimators, agreement of two tables | [`reference_methods`], [`comparison`], [`statistics`] |
 //! | how well all of it holds | [`validation`] |
 //!
@@ -29,6 +30,7 @@ mod choice;
 #[cfg(feature = "io")]
 pub mod comparison;
 mod control;
+pub mod differentiable;
 pub mod embedding;
 #[cfg(feature = "io")]
 pub mod inputs;

@@ -104,6 +104,24 @@ impl SmearedDelta {
         }
     }
 
+    /// d delta / d phi, in units of 1/phi^2.
+    pub fn slope(&self, phi: f64) -> f64 {
+        if phi.abs() > self.half_width {
+            return 0.0;
+        }
+        match self.smearing {
+            Smearing::Sine => {
+                let inverse = 1.0 / self.epsilon;
+                let (sin, cos) = sin_cos_half_pi(phi * inverse);
+                -PI * sin * cos * inverse * inverse
+            }
+            Smearing::Tanh => {
+                let s = self.tanh_scale();
+                -2.0 / s * libm::tanh(phi / s) * self.delta(phi)
+            }
+        }
+    }
+
     /// theta(phi): 0 below the band, 1 above.
     pub fn heaviside(&self, phi: f64) -> f64 {
         if phi <= -self.half_width {
@@ -180,6 +198,8 @@ mod tests {
                     let slope = (d.heaviside(x + 1e-6) - d.heaviside(x - 1e-6)) / 2e-6;
                     assert!((slope - d.delta(x)).abs() < 1e-5 * d.delta(0.0));
                     assert!((d.heaviside(x) + d.heaviside(-x) - 1.0).abs() < 1e-12);
+                    let bend = (d.delta(x + 1e-6) - d.delta(x - 1e-6)) / 2e-6;
+                    assert!((d.slope(x) - bend).abs() < 1e-6 / (epsilon * epsilon));
                 }
                 assert_eq!((d.heaviside(0.5), d.heaviside(-0.5), d.delta(0.5)), (1.0, 0.0, 0.0));
             }

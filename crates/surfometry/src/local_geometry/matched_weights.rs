@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 use std::sync::OnceLock;
 
 /// Voxels on each side of a voxel that its differences need.
-pub(super) const SIDE: usize = 4;
+pub(crate) const SIDE: usize = 4;
 /// Voxels of an axis that a difference at a voxel needs.
 pub(super) const NODES: usize = 2 * SIDE + 1;
 /// Voxels of an axis that a difference between two voxels needs.
@@ -153,7 +153,7 @@ impl MatchedWeights {
         Self { sigma, spacing, central, between: OnceLock::new() }
     }
 
-    pub(super) fn central(&self) -> &[CentralWeights; 3] {
+    pub(crate) fn central(&self) -> &[CentralWeights; 3] {
         &self.central
     }
 
@@ -173,9 +173,9 @@ fn by_axis<T: Clone>([x, y, z]: [f64; 3], make: impl Fn(f64) -> T) -> [T; 3] {
 /// Differences at voxels: the antisymmetric and the symmetric half, from the nearest voxel outward, in f32.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct CentralWeights {
-    pub(super) first: [f32; SIDE],
+    pub(crate) first: [f32; SIDE],
     /// The centre's weight is minus twice their sum, so that a constant has exactly no derivative.
-    pub(super) second: [f32; SIDE],
+    pub(crate) second: [f32; SIDE],
 }
 
 impl CentralWeights {

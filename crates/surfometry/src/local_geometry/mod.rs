@@ -18,8 +18,9 @@ pub use finite_difference::FiniteDifferences;
 pub use gaussian_derivatives::GaussianDerivatives;
 pub use jet::Jet;
 pub use matched_difference::MatchedDifferences;
-pub(crate) use matched_weights::{MatchedWeights, solved};
+pub(crate) use matched_weights::{CentralWeights, MatchedWeights, SIDE as MATCHED_SIDE, solved};
 pub use stencil::MINIMUM_POINTS;
+pub(crate) use stencil::Stencil;
 
 use crate::embedding::{Embedding, Precision};
 use crate::tiling::{Block, IndexBox};

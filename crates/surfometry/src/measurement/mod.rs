@@ -38,6 +38,7 @@ pub use result::{
     BlurredValues, DescribedSurface, GridSummary, Measured, MeshSummary, StageSeconds, SurfaceValues,
     TopologySummary, VoxelSummary,
 };
+pub(crate) use scheme::MOST_SIGMA_VOXELS;
 #[cfg(feature = "io")]
 pub(crate) use settling::settled;
 pub use streaming::{Progress, StreamError, Streamed};

@@ -5,7 +5,7 @@ use crate::accuracy::{
     auto_sigma, auto_thickness, auto_thickness_of_blur, epsilon_of_blur, thickness_of_blur,
 };
 use crate::choice::choices;
-use crate::embedding::EdgeProfile;
+use crate::embedding::{EdgeProfile, TRUNCATION, TRUNCATION_OF_BLUR};
 use crate::integrals::{QuadratureRule, Smearing};
 use crate::local_geometry::MatchedDifferences;
 use crate::tiling::IndexBox;
@@ -240,7 +240,7 @@ impl Measurement {
 }
 
 impl Parameters {
-    pub(super) fn resolve(m: &Measurement, spacing: Spacing) -> Result<Self, MeasureError> {
+    pub(crate) fn resolve(m: &Measurement, spacing: Spacing) -> Result<Self, MeasureError> {
         m.check()?;
         match m.embedding {
             kind if kind.is_blur() => Self::of_blur(m, spacing),
@@ -295,7 +295,7 @@ impl Parameters {
     }
 
     /// Refuses a length of more than `most` voxels of the smallest spacing.
-    pub(super) fn check_reach(
+    pub(crate) fn check_reach(
         name: &'static str,
         value: f64,
         most: f64,
@@ -312,7 +312,7 @@ impl Parameters {
     }
 
     /// Smallest |phi| far from the surface.
-    pub(super) fn saturation(&self) -> f64 {
+    pub(crate) fn saturation(&self) -> f64 {
         self.level.map_or(f64::INFINITY, saturation_at)
     }
 
@@ -395,6 +395,14 @@ impl Measurement {
             ),
             _ => Ok(()),
         }
+    }
+
+    /// Where kernels end, in sigma, with these derivatives.
+    pub(crate) fn truncation_with(&self, derivatives: Derivatives) -> f64 {
+        self.truncation.unwrap_or(match derivatives {
+            Derivatives::Matched => TRUNCATION_OF_BLUR,
+            Derivatives::Gaussian | Derivatives::FiniteDifference => TRUNCATION,
+        })
     }
 
     /// Refuses a band that no blur's field leaves, whatever sigma is.

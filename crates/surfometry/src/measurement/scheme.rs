@@ -16,7 +16,7 @@ use crate::volume::{FieldImage, Grid, Mask, ProbabilityImage};
 use std::sync::Arc;
 
 /// Largest sigma in voxels: the kernels' reach, five times that, is what a tile needs around it.
-const MOST_SIGMA_VOXELS: f64 = 400.0;
+pub(crate) const MOST_SIGMA_VOXELS: f64 = 400.0;
 /// Largest band of a distance in voxels: a tile is transformed with half of that around it.
 const MOST_BAND_VOXELS: f64 = 60.0;
 

@@ -5,7 +5,6 @@ use super::pass::Pass;
 use super::{Derivatives, EmbeddingKind, MeasureError, Measurement, Parameters};
 use crate::Control;
 use crate::accuracy::{ErrorModel, SoftEdges, Terraces};
-use crate::embedding::{TRUNCATION, TRUNCATION_OF_BLUR};
 use crate::integrals::{Band, Quadrature, QuadratureRule, SmearedDelta};
 use crate::local_geometry::MatchedWeights;
 use crate::tiling::IndexBox;
@@ -134,10 +133,7 @@ impl Setup {
 
     /// Where kernels end, in sigma.
     pub(super) fn truncation(&self) -> f64 {
-        self.measurement.truncation.unwrap_or(match self.parameters.derivatives {
-            Derivatives::Matched => TRUNCATION_OF_BLUR,
-            Derivatives::Gaussian | Derivatives::FiniteDifference => TRUNCATION,
-        })
+        self.measurement.truncation_with(self.parameters.derivatives)
     }
 }
 

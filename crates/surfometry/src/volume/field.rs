@@ -5,7 +5,7 @@ use super::{Grid, Mask, Samples, Scalar, SlabReader, VolumeError};
 
 /// Largest size of a value: squares and products of derivatives, which are taken in single precision first,
 /// must stay finite.
-const LARGEST: f64 = 1e30;
+pub(crate) const LARGEST: f64 = 1e30;
 
 /// A field phi on a grid, negative inside.
 #[derive(Debug, Clone)]

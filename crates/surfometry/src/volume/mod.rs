@@ -29,6 +29,7 @@ mod spacing;
 
 pub use affine::Affine;
 pub use error::VolumeError;
+pub(crate) use field::LARGEST as LARGEST_FIELD_VALUE;
 pub use field::{FieldImage, FieldValues};
 pub use grid::Grid;
 pub use label_block::LabelBlock;
@@ -38,6 +39,7 @@ pub use labels::{LabelImage, LabelSummary};
 pub use mask::Mask;
 pub(crate) use mask::{Place, ones};
 pub use probability::ProbabilityImage;
+pub(crate) use probability::TOLERANCE as PROBABILITY_TOLERANCE;
 #[cfg(feature = "io")]
 pub(crate) use samples::collected;
 pub use samples::{Samples, Scalar, ScalarType};

@@ -16,7 +16,7 @@ pub struct ProbabilityImage {
 }
 
 /// How far beyond 0 and 1 a value may be: arithmetic in single precision leaves as much.
-const TOLERANCE: f64 = 1e-6;
+pub(crate) const TOLERANCE: f64 = 1e-6;
 
 impl ProbabilityImage {
     /// Takes values, x fastest. Those beyond 0 or 1 by no more than rounding leaves are taken for 0 and 1.
