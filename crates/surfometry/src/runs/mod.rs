@@ -12,6 +12,8 @@ mod error;
 mod file_ledger;
 mod flatten;
 mod info;
+mod journal;
+mod journalled;
 mod label_scales;
 mod lengths;
 #[cfg(feature = "pictures")]
@@ -19,6 +21,7 @@ mod map;
 #[cfg(feature = "pictures")]
 mod map_files;
 mod measure;
+mod merge;
 mod mixed_sigma;
 mod object;
 #[cfg(feature = "pictures")]
@@ -28,6 +31,8 @@ mod reading;
 mod record;
 mod reference;
 mod scale_ledger;
+mod settings;
+mod shard;
 mod surface_record;
 mod surface_task;
 #[cfg(feature = "pictures")]
@@ -42,12 +47,13 @@ pub use batch::{Batch, Collected, Item, Opened, Outcome, Sink, Task};
 pub use choices::Choices;
 pub use cohort_files::{CohortFile, write_cohort, write_zoo};
 pub use cure::Cure;
-pub use document::{CsvSink, JsonLinesSink, JsonSink, Row};
+pub use document::{CsvSink, DocumentForm, JsonLinesSink, JsonSink, Row};
 pub use embed::{EmbedTask, EmbeddedObject};
 pub use error::RunError;
 pub use file_ledger::FileLedger;
 pub use flatten::flatten;
 pub use info::{AffineDescription, InfoTask, InputDescription, LabelDescription};
+pub use journal::{JOURNAL_SCHEMA, Journal, JournalError, RunHead};
 pub use label_scales::LabelScales;
 pub use lengths::{Length, Lengths};
 #[cfg(feature = "pictures")]
@@ -55,6 +61,7 @@ pub use map::MapTask;
 #[cfg(feature = "pictures")]
 pub use map_files::{MapFile, MapStyle, write_figure, write_map_files};
 pub use measure::{MeasureTask, records_of};
+pub use merge::Shards;
 pub use mixed_sigma::SigmaRange;
 pub use object::InputObject;
 #[cfg(feature = "pictures")]
@@ -64,6 +71,8 @@ pub use reading::Reading;
 pub use record::{Failure, Record, SCHEMA};
 pub use reference::{REFERENCE_SCHEMA, ReferenceRecord, ReferenceTask};
 pub use scale_ledger::ScaleLedger;
+pub use settings::Settings;
+pub use shard::Shard;
 pub use surface_record::{MAP_SCHEMA, SurfaceRecord};
 pub use surface_task::{MappedSurface, SurfaceTask};
 #[cfg(feature = "pictures")]

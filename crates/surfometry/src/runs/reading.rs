@@ -8,6 +8,7 @@ use crate::phantoms::Truth;
 use crate::topology::{ComponentLabels, Connectivity};
 use crate::volume::{FieldImage, LabelGroup, LabelImage, Mask, ProbabilityImage, Slab, SlabReader};
 use crate::{Control, Event, Stopped};
+use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::{Arc, OnceLock};
@@ -234,7 +235,7 @@ impl<R: SlabReader<Error = InputError>> SlabReader for Watched<'_, R> {
 }
 
 /// Sizes and times of an input's files, which tell whether two readings were of the same.
-#[derive(Debug, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct FileStamps(Vec<Option<(u64, Option<SystemTime>)>>);
 
 impl FileStamps {
