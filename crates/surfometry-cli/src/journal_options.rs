@@ -42,7 +42,7 @@ impl JournalOptions {
             bail!("--shard and --resume keep what is finished in a file: name one with -o FILE");
         };
         let head = RunHead::new(plan, shard, inputs)?;
-        let path = if self.is_shard() { shard_path(output)? } else { journal_path(output) };
+        let path = if self.is_shard() { shard_path(output)? } else { Journal::beside(output) };
         let begun = if self.resume { Journal::resume(&path, head) } else { Journal::begin(&path, head) };
         Ok(Some(begun?))
     }
@@ -56,10 +56,4 @@ fn shard_path(output: &Path) -> Result<PathBuf> {
         );
     }
     Ok(output.to_owned())
-}
-
-fn journal_path(output: &Path) -> PathBuf {
-    let mut name = output.as_os_str().to_owned();
-    name.push(".journal");
-    name.into()
 }

@@ -4,7 +4,8 @@
 use super::journalled::{JournalledSink, JournalledTask};
 use super::reading::FileStamps;
 use super::settings::Settings;
-use super::{Batch, Item, Outcome, Plan, Record, Shard, Sink, Task};
+use super::{Batch, Failure, Item, Outcome, Plan, Record, Shard, Sink, Task};
+use crate::inputs::{OpenOptions, open};
 use crate::io::GrowingFile;
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeSet, HashMap};
@@ -39,11 +40,33 @@ pub(super) struct Entry {
     pub(super) items: Vec<Item<Record>>,
 }
 
+impl Entry {
+    /// Of an input of which nothing else is known.
+    pub(super) fn of_failure(failure: Failure) -> Self {
+        Self {
+            input: failure.input.clone(),
+            files: FileStamps::default(),
+            items: vec![Item::Failure(failure)],
+        }
+    }
+
+    /// As a journal has it.
+    pub(super) fn line(self) -> String {
+        Line::Result(self).text()
+    }
+}
+
 #[derive(Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 enum Line {
     Run(Box<RunHead>),
     Result(Entry),
+}
+
+impl Line {
+    fn text(&self) -> String {
+        serde_json::to_string(self).expect("names of fields are text, and numbers have their forms")
+    }
 }
 
 /// Why a journal cannot be used.
@@ -198,6 +221,7 @@ impl Lines {
 #[derive(Debug)]
 pub struct Journal {
     head: RunHead,
+    keeps_failures: bool,
     state: Mutex<State>,
 }
 
@@ -212,6 +236,13 @@ struct State {
 }
 
 impl Journal {
+    /// Where the journal of results is that go to a file.
+    pub fn beside(results: &Path) -> PathBuf {
+        let mut name = results.as_os_str().to_owned();
+        name.push(".journal");
+        name.into()
+    }
+
     /// Begins a journal.
     ///
     /// # Errors
@@ -248,7 +279,7 @@ impl Journal {
     fn new(path: &Path, file: GrowingFile, head: RunHead) -> Result<Self, JournalError> {
         let mut state = State { file, earlier: HashMap::new(), written: BTreeSet::new(), failed: None };
         state.line(&Line::Run(Box::new(head.clone()))).map_err(at(path))?;
-        Ok(Self { head, state: Mutex::new(state) })
+        Ok(Self { head, keeps_failures: false, state: Mutex::new(state) })
     }
 
     /// Does a task with the inputs of a batch, keeps this journal of it, and ends it. Rows go to a sink, where there is
@@ -268,13 +299,55 @@ impl Journal {
         Ok(outcome)
     }
 
+    /// Counts what failed in an earlier run as done.
+    #[must_use]
+    pub fn keeping_failures(self) -> Self {
+        Self { keeps_failures: true, ..self }
+    }
+
+    /// The inputs that no earlier run has done, or that are other files now.
+    pub fn pending(&self, options: &OpenOptions) -> Vec<String> {
+        let is_done = |input: &&String| {
+            let stamps = open(input, options).map(|source| FileStamps::of(&*source));
+            stamps.is_ok_and(|files| {
+                self.state().earlier.get(*input).is_some_and(|entry| self.holds(entry, &files))
+            })
+        };
+        self.head.inputs.iter().filter(|input| !is_done(input)).cloned().collect()
+    }
+
+    /// Writes the line that [`journal_line`](super::journal_line) made.
+    ///
+    /// # Errors
+    /// [`JournalError`] for any other line, and for what cannot be written.
+    pub fn add_line(&self, line: &str) -> Result<(), JournalError> {
+        let path = || self.state().file.partial().to_owned();
+        match serde_json::from_str(line) {
+            Ok(Line::Result(entry)) => {
+                self.write(entry).map_err(|source| JournalError::Io { path: path(), source })
+            }
+            _ => Err(JournalError::NotOne { path: path() }),
+        }
+    }
+
+    /// Writes that an input failed.
+    ///
+    /// # Errors
+    /// [`JournalError`] for what cannot be written.
+    pub fn add_failure(&self, failure: Failure) -> Result<(), JournalError> {
+        self.add_line(&Entry::of_failure(failure).line())
+    }
+
     /// What the run is.
     pub fn head(&self) -> &RunHead {
         &self.head
     }
 
     /// Gives the file its name, unless the run was stopped: then it goes on later.
-    fn end(self, stopped: bool) -> io::Result<()> {
+    ///
+    /// # Errors
+    /// Whatever the file system says.
+    pub fn end(self, stopped: bool) -> io::Result<()> {
         let state = self.state.into_inner().unwrap_or_else(PoisonError::into_inner);
         if stopped { Ok(()) } else { state.file.finish() }
     }
@@ -282,13 +355,15 @@ impl Journal {
     /// What an earlier run found in an input, if all of it could be done and its files are the same.
     pub(super) fn earlier(&self, input: &str, files: &FileStamps) -> Option<Vec<Item<Record>>> {
         let mut state = self.state();
-        let holds = |entry: &Entry| {
-            entry.files == *files && entry.items.iter().all(|item| matches!(item, Item::Row(_)))
-        };
-        let found = state.earlier.get_mut(input).filter(|entry| holds(entry))?;
+        let found = state.earlier.get_mut(input).filter(|entry| self.holds(entry, files))?;
         let items = mem::take(&mut found.items);
         state.written.insert(input.to_owned());
         Some(items)
+    }
+
+    fn holds(&self, entry: &Entry, files: &FileStamps) -> bool {
+        let is_whole = |item: &Item<Record>| self.keeps_failures || matches!(item, Item::Row(_));
+        entry.files == *files && entry.items.iter().all(is_whole)
     }
 
     /// Writes what came of an input. What keeps it from being written is told by [`Journal::check`].
@@ -322,7 +397,7 @@ impl Journal {
 impl State {
     /// By one call to the system, so that of a run that is killed there is at most half a line.
     fn line(&mut self, line: &Line) -> io::Result<()> {
-        self.file.write_all((serde_json::to_string(line)? + "\n").as_bytes())
+        self.file.write_all((line.text() + "\n").as_bytes())
     }
 }
 

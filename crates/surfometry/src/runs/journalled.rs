@@ -3,6 +3,8 @@
 use super::journal::{Entry, Journal};
 use super::reading::FileStamps;
 use super::{Failure, Item, Opened, Record, RunError, Sink, Task};
+use crate::Control;
+use crate::inputs::{OpenOptions, open};
 use std::io;
 
 /// A task that writes what comes of each input to a journal as soon as it is known, and hands out what the journal has
@@ -24,25 +26,58 @@ impl<T: Task<Row = Record>> Task for JournalledTask<'_, T> {
     }
 
     fn run(&self, input: &Opened, out: &mut dyn FnMut(Item<Record>)) -> Result<(), RunError> {
-        // Before the voxels are read: a file that changes while they are is another one next time.
         let files = FileStamps::of(&*input.source);
         if let Some(items) = self.journal.earlier(input.name, &files) {
             items.into_iter().for_each(out);
             return Ok(());
         }
-        let mut items = Vec::new();
-        let mut kept = |item: Item<Record>| {
-            items.push(item.clone());
-            out(item);
-        };
-        match self.task.run(input, &mut kept) {
-            Err(error) if error.is_stop() => return Err(error),
-            Err(error) => input.fail(Failure::of(input.name, &error, self.cure), &mut kept),
-            Ok(()) => {}
-        }
-        self.journal.add(Entry { input: input.name.to_owned(), files, items });
+        self.journal.add(entry_of(&self.task, input, self.cure, out)?);
         Ok(())
     }
+}
+
+/// Does a task with an input; what came of it, failures too. An error is a stop.
+fn entry_of<T: Task<Row = Record>>(
+    task: &T,
+    input: &Opened,
+    cure: fn(&RunError) -> Option<&'static str>,
+    out: &mut dyn FnMut(Item<Record>),
+) -> Result<Entry, RunError> {
+    // Before the voxels are read: a file that changes while they are is another one next time.
+    let files = FileStamps::of(&*input.source);
+    let mut items = Vec::new();
+    let mut kept = |item: Item<Record>| {
+        items.push(item.clone());
+        out(item);
+    };
+    match task.run(input, &mut kept) {
+        Err(error) if error.is_stop() => return Err(error),
+        Err(error) => input.fail(Failure::of(input.name, &error, cure), &mut kept),
+        Ok(()) => {}
+    }
+    Ok(Entry { input: input.name.to_owned(), files, items })
+}
+
+/// Does a task with an input, which may be read by nobody else; the line that a journal has of it
+/// ([`Journal::add_line`]). A failure is a line, too.
+///
+/// # Errors
+/// A stop.
+pub fn journal_line<T: Task<Row = Record>>(
+    input: &str,
+    options: &OpenOptions,
+    task: &T,
+    control: &Control,
+    cure: fn(&RunError) -> Option<&'static str>,
+) -> Result<String, RunError> {
+    let entry = match open(input, options) {
+        // One of several, whatever the others are.
+        Ok(source) => {
+            entry_of(task, &Opened { name: input, part: Some(input), source, control }, cure, &mut |_| {})?
+        }
+        Err(error) => Entry::of_failure(Failure::of(input, &error.into(), cure)),
+    };
+    Ok(entry.line())
 }
 
 /// A sink that writes to a journal what no task could: that an input could not be opened.
@@ -65,8 +100,7 @@ impl Sink<Record> for JournalledSink<'_, '_> {
 
     fn failure(&mut self, failure: Failure) -> io::Result<()> {
         if !self.journal.has(&failure.input) {
-            let (input, items) = (failure.input.clone(), vec![Item::Failure(failure.clone())]);
-            self.journal.add(Entry { input, files: FileStamps::default(), items });
+            self.journal.add(Entry::of_failure(failure.clone()));
         }
         self.inner.as_mut().map_or(Ok(()), |inner| inner.failure(failure))
     }

@@ -2,6 +2,7 @@
 //! [`Sink`] for each place where results go. Every front end is a face of these.
 
 mod batch;
+mod blockwise;
 mod choices;
 mod cohort_files;
 mod columns;
@@ -44,6 +45,7 @@ mod voxel_map_task;
 pub mod words;
 
 pub use batch::{Batch, Collected, Item, Opened, Outcome, Sink, Task};
+pub use blockwise::{BlockRecord, Blockwise};
 pub use choices::Choices;
 pub use cohort_files::{CohortFile, write_cohort, write_zoo};
 pub use cure::Cure;
@@ -54,6 +56,7 @@ pub use file_ledger::FileLedger;
 pub use flatten::flatten;
 pub use info::{AffineDescription, InfoTask, InputDescription, LabelDescription};
 pub use journal::{JOURNAL_SCHEMA, Journal, JournalError, RunHead};
+pub use journalled::journal_line;
 pub use label_scales::LabelScales;
 pub use lengths::{Length, Lengths};
 #[cfg(feature = "pictures")]

@@ -31,7 +31,7 @@ pub use affine::Affine;
 pub use error::VolumeError;
 pub use field::{FieldImage, FieldValues};
 pub use grid::Grid;
-pub use label_block::LabelBlock;
+pub use label_block::{LabelBlock, LabelBlockBuilder};
 pub(crate) use label_runs::LabelRuns;
 pub(crate) use labels::RunEncoder;
 pub use labels::{LabelImage, LabelSummary};
