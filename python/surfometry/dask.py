@@ -243,8 +243,9 @@ class _Volume:
         return tuple(int(np.max(sizes)) for sizes in chunks)
 
     def box(self, lower: Sequence[int], upper: Sequence[int]) -> Any:
-        front = (0,) * (len(self.voxels.shape) - 3)
-        return self.voxels[(*front, *(slice(a, b) for a, b in zip(lower, upper, strict=True)))]
+        front: list[Any] = [0] * (len(self.voxels.shape) - 3)
+        place = tuple(front + [slice(a, b) for a, b in zip(lower, upper, strict=True)])
+        return self.voxels[place]
 
 
 def _volume_of(image: object, name: str | None, storage_options: Mapping[str, Any] | None) -> _Volume:
@@ -316,7 +317,7 @@ class _Spec:
         return Session(self.threads)
 
 
-def _turned(corners: Any) -> Any:
+def _turned(corners: Any) -> tuple[Any, ...]:
     """x first to z first, and back."""
     return tuple(list(corner)[::-1] for corner in corners)
 
@@ -345,7 +346,8 @@ def _partial(spec: _Spec, number: int, voxels: Any = None) -> bytes:
     part = None
     if needed is not None:
         part = _part(blocks, needed, _slabs(spec.volume, needed) if voxels is None else [voxels])
-    return blocks.partial(part, *_turned(spec.corners(number)), spec.session())
+    lower, upper = _turned(spec.corners(number))
+    return blocks.partial(part, lower, upper, spec.session())
 
 
 def _looked_again(spec: _Spec, records: str, corners: _Corners, voxels: Any = None) -> str:
@@ -392,7 +394,8 @@ class _Run:
         """Records of all objects; those that are to be looked at as wholes, were."""
         blocks = self.spec.blocks()
         found = json.loads(blocks.records(self._whole(blocks), self.spec.session()))
-        records, wanted = found["records"], np.flatnonzero(found["wants_whole"])
+        records: list[dict[str, Any]] = found["records"]
+        wanted = np.flatnonzero(found["wants_whole"])
         for numbers, again in self._looked_again(records, wanted):
             for number, record in zip(numbers, again, strict=True):
                 records[number] = record
@@ -424,15 +427,17 @@ class _Run:
         """A task each; what all know is a key that they share."""
         from dask._task_spec import DataNode, Task, TaskRef
 
-        token = f"surfometry-{uuid4().hex[:8]}"
+        token = f"surfometry{function.__name__}-{uuid4().hex[:8]}"
         shared = f"{token}-spec"
+        # One object in all tasks, so that it is sent once.
+        known = TaskRef(shared)
         graph: dict[Any, Any] = {shared: DataNode(shared, self.spec)}
         keys: list[Any] = []
         for number, (*arguments, given) in enumerate(tasks):
-            key = (token + function.__name__, number)
+            key = (token, number)
             if given is not None:
                 arguments.append(_computed(graph, given))
-            graph[key] = Task(key, function, TaskRef(shared), *arguments)
+            graph[key] = Task(key, function, known, *arguments)
             keys.append(key)
         return graph, keys
 
@@ -504,8 +509,11 @@ def _client(client: Any) -> Any:
 
 
 def _getter(client: Any) -> Callable[[dict[Any, Any], list[Any]], Any]:
-    if client is not None:
-        return lambda graph, keys: client.get(graph, keys)
-    from dask import get
+    if client is None:
+        from dask import get
 
-    return lambda graph, keys: get(graph, keys)
+        return lambda graph, keys: get(graph, keys)
+    from dask.highlevelgraph import HighLevelGraph
+
+    # As a layer: of a plain graph each task is sent with a token of its own, which is half of it.
+    return lambda graph, keys: client.get(HighLevelGraph({"surfometry": graph}, {"surfometry": set()}), keys)

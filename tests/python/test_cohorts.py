@@ -63,10 +63,10 @@ surfometry.cohort(sys.argv[2:], sys.argv[1], threads=2)
 
 
 def test_a_killed_run_loses_what_was_in_flight(tmp_path):
-    inputs, out = shapes(120), tmp_path / "all.json"
+    inputs, out = shapes(60), tmp_path / "all.json"
     journal = tmp_path / "all.json.journal.partial"
     known, kills = 0, 0
-    for wait in np.arange(0.5, 20, 0.15):
+    for wait in np.arange(0.8, 40, 0.7):
         run = subprocess.Popen([sys.executable, "-c", KILLED, out, *inputs], cwd=tmp_path)
         time.sleep(wait)
         if run.poll() is not None:
@@ -134,6 +134,8 @@ def scans(tmp_path):
     (tmp_path / "scans").mkdir()
     for number, shape in enumerate(shapes(10)):
         command_line("phantom", shape, "-o", tmp_path / "scans" / f"{number}.nii.gz")
+    for truth in (tmp_path / "scans").glob("*.json"):
+        truth.unlink()
     (tmp_path / "scans" / "bad.nii.gz").write_bytes(b"no image")
     return tmp_path
 

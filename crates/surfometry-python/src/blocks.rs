@@ -30,7 +30,11 @@ pub(crate) struct Blocks {
 
 /// The labels in a box of an image, slices of which are added.
 #[pyclass(frozen)]
-pub(crate) struct Part(Mutex<Option<LabelBlockBuilder>>);
+pub(crate) struct Part {
+    /// The image's.
+    name: String,
+    builder: Mutex<Option<LabelBlockBuilder>>,
+}
 
 #[pymethods]
 impl Blocks {
@@ -65,7 +69,8 @@ impl Blocks {
     /// None of the slices yet of a box.
     fn part(&self, py: Python, lower: [i64; 3], upper: [i64; 3]) -> PyResult<Part> {
         let builder = LabelBlockBuilder::new(self.grid, IndexBox::new(lower, upper));
-        Ok(Part(Mutex::new(Some(builder.map_err(|error| self.error(py, error))?))))
+        let builder = builder.map_err(|error| self.error(py, error))?;
+        Ok(Part { name: self.name.clone(), builder: Mutex::new(Some(builder)) })
     }
 
     /// What a block adds, as bytes; of a part that holds what the block needs.
@@ -122,7 +127,7 @@ impl Blocks {
 
     /// What was added to a part, which is used up.
     fn block(&self, py: Python, part: &Part) -> PyResult<LabelBlock> {
-        let builder = part.0.lock().unwrap_or_else(PoisonError::into_inner).take();
+        let builder = part.builder.lock().unwrap_or_else(PoisonError::into_inner).take();
         let builder =
             builder.ok_or_else(|| raise(py, "InternalError", "the part was measured before", &[]))?;
         builder.finish().map_err(|error| self.error(py, error))
@@ -138,10 +143,11 @@ impl Part {
         let last = voxels.dimensions()[2];
         let pushed = py.detach(|| {
             let samples = voxels.slices(0, last)?;
-            let mut builder = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+            let mut builder = self.builder.lock().unwrap_or_else(PoisonError::into_inner);
             builder.as_mut().map_or(Ok(()), |builder| builder.push(&samples))
         });
-        pushed.map_err(|error| of_run(py, None, &error.into()))
+        let held = Held::Name(self.name.clone());
+        pushed.map_err(|error| of_run(py, Some(&held.name()), &error.into()))
     }
 }
 

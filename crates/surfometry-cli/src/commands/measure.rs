@@ -10,8 +10,7 @@ use anyhow::{Context, Result, bail};
 use std::path::PathBuf;
 use surfometry::measurement::CurvatureScale;
 use surfometry::runs::{
-    Batch, ExplainTopology, FileLedger, Journal, MapFile, MapStyle, MeasureTask, Outcome, Pictures, Plan,
-    SigmaRange,
+    Batch, ExplainTopology, FileLedger, MapFile, MapStyle, MeasureTask, Pictures, Plan, SigmaRange,
 };
 
 /// Measure the objects of label images
@@ -71,13 +70,13 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
     let (path, style, ledger) = (args.png.clone(), MapStyle::default(), FileLedger::new(&inputs));
     let pictures = path.map(|path| Pictures { path, style, ledger });
     let (open, scale_ledger) = (plan.open, plan.scale_ledger.clone());
-    let journal = args.journal.begin(&plan, &inputs, args.results.path())?;
+    let mut journal = args.journal.begin(&plan, &inputs, args.results.path())?;
     let inputs = args.journal.own(&inputs);
     let task = MeasureTask { plan, pictures, timings: args.timings };
     let control = control(inputs.len(), Voice { quiet, memory: args.verbose });
     let batch = Batch { inputs: &inputs, open, control: &control, cure };
-    if args.journal.is_shard() {
-        return measure_shard(&batch, task, journal);
+    if let Some(journal) = journal.take_if(|_| args.journal.is_shard()) {
+        return Ok(status(journal.run(&batch, task, None).context("the shard cannot be written")?));
     }
     let status = write_results(&args.results, record_tables(args.explain), |sink| {
         let mut sigmas = SigmaRange::new(sink);
@@ -91,12 +90,6 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
         Ok(outcome)
     })?;
     Ok(with_scales(status, &scale_ledger, quiet))
-}
-
-/// Measures a shard, whose journal is all that it writes.
-fn measure_shard(batch: &Batch, task: MeasureTask, journal: Option<Journal>) -> Result<u8> {
-    let outcome = journal.map_or(Ok(Outcome::default()), |journal| journal.run(batch, task, None));
-    Ok(status(outcome.context("the shard cannot be written")?))
 }
 
 fn check_picture(args: &Args) -> Result<()> {

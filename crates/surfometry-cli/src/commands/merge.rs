@@ -1,9 +1,8 @@
 //! `surfometry merge`.
 
-use super::WRONG_COMMAND;
 use crate::inputs::expand;
 use crate::options::OutputOptions;
-use crate::output::{check_output, record_tables, say, say_sigmas, write_results};
+use crate::output::{check_output, record_tables, say_sigmas, write_results};
 use anyhow::Result;
 use std::path::PathBuf;
 use surfometry::runs::{Shards, SigmaRange};
@@ -25,10 +24,7 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
     let paths = expand(&args.shards);
     check_output(args.results.path(), &paths)?;
     let shards = Shards::read(&paths.into_iter().map(PathBuf::from).collect::<Vec<_>>())?;
-    let Some(settings) = shards.head().map(|head| head.settings().clone()) else {
-        say("there are no shards to merge");
-        return Ok(WRONG_COMMAND);
-    };
+    let settings = shards.settings().clone();
     write_results(&args.results, record_tables(settings.explain()), |sink| {
         let mut sigmas = SigmaRange::new(sink);
         let outcome = shards.replay(&mut sigmas)?;

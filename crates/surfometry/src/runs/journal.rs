@@ -149,11 +149,6 @@ impl RunHead {
         })
     }
 
-    /// The choices of the run.
-    pub fn settings(&self) -> &Settings {
-        &self.settings
-    }
-
     fn check(&self, path: &Path) -> Result<(), JournalError> {
         let (path, version) = (path.to_owned(), self.version.clone());
         if self.schema != JOURNAL_SCHEMA {
@@ -336,11 +331,6 @@ impl Journal {
     /// [`JournalError`] for what cannot be written.
     pub fn add_failure(&self, failure: Failure) -> Result<(), JournalError> {
         self.add_line(&Entry::of_failure(failure).line())
-    }
-
-    /// What the run is.
-    pub fn head(&self) -> &RunHead {
-        &self.head
     }
 
     /// Gives the file its name, unless the run was stopped: then it goes on later.

@@ -1,7 +1,7 @@
 //! Shards of a run as one.
 
 use super::journal::{JournalError, Lines, RunHead};
-use super::{Outcome, Record, Sink};
+use super::{Outcome, Record, Settings, Sink};
 use std::collections::HashMap;
 use std::fmt::Display;
 use std::io;
@@ -10,6 +10,8 @@ use std::path::{Path, PathBuf};
 /// All shards of a run, each once, complete, and made alike.
 #[derive(Debug)]
 pub struct Shards {
+    /// What the first of them says of the run.
+    head: RunHead,
     /// In order of their numbers.
     lines: Vec<Lines>,
 }
@@ -26,16 +28,22 @@ impl Shards {
             read.push((path.as_path(), Lines::read(path)?));
         }
         read.sort_by_key(|(_, lines)| lines.head.shard);
-        check_alike(&read)?;
+        let Some(((first, reference), others)) = read.split_first() else {
+            return Err(JournalError::Unmergeable(
+                "no shards: name the files that `measure --shard` wrote".to_owned(),
+            ));
+        };
+        let head = reference.head.clone();
+        others.iter().try_for_each(|other| check_alike((first, &head), other))?;
         check_all_there(&read)?;
         check_disjoint(&read)?;
         read.iter().try_for_each(|(path, lines)| check_finished(path, lines))?;
-        Ok(Self { lines: read.into_iter().map(|(_, lines)| lines).collect() })
+        Ok(Self { head, lines: read.into_iter().map(|(_, lines)| lines).collect() })
     }
 
-    /// What the runs have in common.
-    pub fn head(&self) -> Option<&RunHead> {
-        self.lines.first().map(|lines| &lines.head)
+    /// The choices of the run.
+    pub fn settings(&self) -> &Settings {
+        &self.head.settings
     }
 
     /// Hands everything to a sink, in the order in which one run over all inputs would have.
@@ -61,28 +69,21 @@ fn unmergeable(words: impl Display) -> Result<(), JournalError> {
     Err(JournalError::Unmergeable(words.to_string()))
 }
 
-fn check_alike(read: &Read) -> Result<(), JournalError> {
-    let Some(((first, reference), others)) = read.split_first() else {
-        return unmergeable("no shards: name the files that `measure --shard` wrote");
+fn check_alike((first, head): (&Path, &RunHead), (path, lines): &(&Path, Lines)) -> Result<(), JournalError> {
+    let own = &lines.head;
+    let different = if own.shard.of() != head.shard.of() {
+        Some(format!("shards {} and {}", head.shard, own.shard))
+    } else if own.all_inputs != head.all_inputs {
+        Some(format!("lists of {} and {} inputs", head.all_inputs, own.all_inputs))
+    } else {
+        head.settings.difference(&own.settings)
     };
-    for (path, lines) in others {
-        let (own, reference) = (&lines.head, &reference.head);
-        let different = if own.shard.of() != reference.shard.of() {
-            Some(format!("shards {} and {}", reference.shard, own.shard))
-        } else if own.all_inputs != reference.all_inputs {
-            Some(format!("lists of {} and {} inputs", reference.all_inputs, own.all_inputs))
-        } else {
-            reference.settings.difference(&own.settings)
-        };
-        if let Some(different) = different {
-            return unmergeable(format_args!(
-                "{} and {} are of different runs ({different}): merge the shards of one run",
-                first.display(),
-                path.display()
-            ));
-        }
-    }
-    Ok(())
+    let Some(different) = different else { return Ok(()) };
+    unmergeable(format_args!(
+        "{} and {} are of different runs ({different}): merge the shards of one run",
+        first.display(),
+        path.display()
+    ))
 }
 
 fn check_all_there(read: &Read) -> Result<(), JournalError> {
