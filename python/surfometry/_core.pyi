@@ -2,10 +2,11 @@
 
 from collections.abc import Callable
 from os import PathLike
-from typing import Any, Protocol
+from typing import Any, Protocol, final
 
 from numpy import float64, uint8, uint32
 from numpy.typing import NDArray
+from typing_extensions import disjoint_base
 
 __all__ = [
     "VERSION",
@@ -82,6 +83,8 @@ class _Cohort(Protocol):
     @property
     def resume(self) -> bool: ...
 
+@final
+@disjoint_base
 class Blocks:
     def __new__(
         cls,
@@ -97,9 +100,13 @@ class Blocks:
     def records(self, whole: bytes, session: _Session) -> str: ...
     def looked_again(self, records: str, part: Part, session: _Session) -> str: ...
 
+@final
+@disjoint_base
 class Part:
     def push(self, slices: NDArray[Any]) -> None: ...
 
+@final
+@disjoint_base
 class CohortJournal:
     def __new__(cls, cohort: _Cohort) -> CohortJournal: ...
     def pending(self) -> list[str]: ...
