@@ -6,7 +6,6 @@ from typing import Any, Protocol, final
 
 from numpy import float64, uint8, uint32
 from numpy.typing import NDArray
-from typing_extensions import disjoint_base
 
 __all__ = [
     "VERSION",
@@ -84,7 +83,6 @@ class _Cohort(Protocol):
     def resume(self) -> bool: ...
 
 @final
-@disjoint_base
 class Blocks:
     def __new__(
         cls,
@@ -101,12 +99,10 @@ class Blocks:
     def looked_again(self, records: str, part: Part, session: _Session) -> str: ...
 
 @final
-@disjoint_base
 class Part:
     def push(self, slices: NDArray[Any]) -> None: ...
 
 @final
-@disjoint_base
 class CohortJournal:
     def __new__(cls, cohort: _Cohort) -> CohortJournal: ...
     def pending(self) -> list[str]: ...

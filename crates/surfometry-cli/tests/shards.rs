@@ -260,6 +260,10 @@ fn what_is_measured_again() {
         assert!(resumed(&longer, &["--shard", number, "-o", &name]).status.success());
         assert!(before > 0 && fs::metadata(folder.join(&name)).unwrap().len() >= before);
     }
+    // Killed just as it began to go on with a finished one: its head alone is in the new one.
+    let finished = fs::read_to_string(folder.join("1.jsonl")).unwrap();
+    fs::write(folder.join("1.jsonl.partial"), finished.lines().next().unwrap().to_owned() + "\n").unwrap();
+    assert!(resumed(&longer, &["--shard", "1/2", "-o", "1.jsonl"]).status.success());
     let other = resumed(&longer, &["--shard", "2/2", "-o", "1.jsonl"]);
     assert!(text(&other.stderr).contains("another run (shard 1/2)"), "{}", text(&other.stderr));
     run_in(

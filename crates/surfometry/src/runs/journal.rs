@@ -256,16 +256,16 @@ impl Journal {
         let (file, left) = GrowingFile::reopen_lines(path).map_err(at(path))?;
         let unfinished = Lines::of_text(&left, file.partial())?;
         let finished = if path.is_file() { Some(Lines::read(path)?) } else { None };
-        let (is_new, mut earlier) = (unfinished.is_none(), HashMap::new());
-        for lines in [finished, unfinished].into_iter().flatten() {
-            head.check_goes_on(&lines.head, path)?;
-            earlier.extend(lines.entries);
-        }
+        let entries = |lines: Option<Lines>| match lines {
+            Some(lines) => head.check_goes_on(&lines.head, path).map(|()| lines.entries),
+            None => Ok(HashMap::new()),
+        };
+        let (mut earlier, newer) = (entries(finished)?, entries(unfinished)?);
         let journal = Self::new(path, file, head)?;
-        if is_new {
-            // The finished one is replaced by this one at the end.
-            earlier.values().try_for_each(|entry| journal.write(entry.clone())).map_err(at(path))?;
-        }
+        // The finished file is replaced by this one at the end.
+        let only_finished = earlier.values().filter(|entry| !newer.contains_key(&entry.input));
+        only_finished.cloned().try_for_each(|entry| journal.write(entry)).map_err(at(path))?;
+        earlier.extend(newer);
         journal.state().written.clear();
         journal.state().earlier = earlier;
         Ok(journal)
