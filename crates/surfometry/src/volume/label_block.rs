@@ -23,6 +23,7 @@ impl LabelBlock {
     }
 
     /// The labels as an image of which nothing else is known.
+    #[cfg(feature = "io")]
     pub(crate) fn image(&self) -> &LabelImage {
         &self.labels
     }
