@@ -8,6 +8,7 @@ Lengths are in mm. ``spacing`` is in the order of an array's axes; see docs/pyth
 """
 
 from ._core import VERSION as __version__
+from ._cohort import CohortSummary, cohort
 from ._errors import (
     Error,
     FileError,
@@ -23,6 +24,7 @@ from ._results import Flag, Measurement, Topology, Values
 from ._surface import Surface
 
 __all__ = [
+    "CohortSummary",
     "Error",
     "FileError",
     "Flag",
@@ -37,6 +39,7 @@ __all__ = [
     "UnsupportedTypeError",
     "Values",
     "__version__",
+    "cohort",
     "compare",
     "measure",
     "measure_labels",

@@ -16,7 +16,7 @@ from . import _core
 from ._adapters import image_of, readable
 from ._errors import InputError, ParameterError, SurfometryWarning
 from ._image import Image, names_of, spacing_words
-from ._options import Labels, Length, options_of
+from ._options import Labels, Length, chosen, options_of
 from ._results import Flag, Measurement, flags_of, warn_of
 from ._session import Progress, Request, several_objects, session
 from ._surface import Surface, surface_of
@@ -49,16 +49,7 @@ def _prepared(
     return known, options_of(spacing=spacing_words(spacing, known.axes), **options)
 
 
-def _chosen(local: Mapping[str, object]) -> dict[str, object]:
-    """The arguments that choose how objects are measured, under the names of the command line's options."""
-    names = (
-        "label", "sigma", "thickness", "epsilon", "level", "embedding", "derivatives", "quadrature", "delta", "clip",
-        "padding", "paper", "explain", "per_component",
-    )  # fmt: skip
-    return {name: local[name] for name in names if name in local}
-
-
-def _only(found: list[Any]) -> Any:
+def only(found: list[Any]) -> Any:
     """What there is of the one object."""
     if len(found) != 1:
         raise several_objects(len(found))
@@ -153,10 +144,10 @@ def measure(
     >>> round(r.surface_area / (4 * np.pi * 15**2), 2), r.euler_characteristic
     (1.0, 2.0)
     """
-    known, options = _prepared(image, spacing, _chosen(locals()), names, name)
+    known, options = _prepared(image, spacing, chosen(locals()), names, name)
     with session(threads, progress, one_object=label is None) as running:
         records = json.loads(_core.measure(Request(known, options, running)))
-    measured = Measurement(_only(records))
+    measured = Measurement(only(records))
     warn_of({measured.input: list(measured.flags)}, stacklevel=2)
     return measured
 
@@ -214,15 +205,20 @@ explain, names, name, threads, progress
     SurfometryWarning
         Each flag once, with the first object that raises it and how many do.
     """
-    known, options = _prepared(image, spacing, _chosen(locals()), names, name)
+    known, options = _prepared(image, spacing, chosen(locals()), names, name)
     with session(threads, progress) as running:
         table = json.loads(_core.measure_columns(Request(known, options, running)))
+    return tabulated(table, as_frame)
+
+
+def tabulated(table: Mapping[str, Any], as_frame: bool) -> Any:
+    """Columns and flags of objects as a frame or a dict of lists; each flag is warned of in the name of whoever called."""
     columns: dict[str, list[Any]] = {"index": list(table["columns"]["label"]), **table["columns"]}
     objects = [f"label {label}" for label in columns["label"]]
     flags: dict[str, list[Flag]] = {}
     for of_object, raised in zip(objects, table["flags"], strict=True):
         flags.setdefault(of_object, []).extend(flags_of(raised))
-    warn_of(flags, stacklevel=2)
+    warn_of(flags, stacklevel=3)
     return _frame(columns) if as_frame else columns
 
 
@@ -290,7 +286,7 @@ progress
     """
     if locals().get(over) is not None:
         raise ParameterError("the same length is swept and given: leave the option out", field=over)
-    known, options = _prepared(image, spacing, _chosen(locals()), name=name)
+    known, options = _prepared(image, spacing, chosen(locals()), name=name)
     with session(threads, progress) as running:
         request = Request(known, options, running)
         found = json.loads(_core.sweep(request, over, [float(value) for value in values]))
@@ -338,7 +334,7 @@ def reference(
     -----
     The methods, where they are from, and what they are off by: docs/reference_methods.md.
     """
-    known, options = _prepared(image, spacing, _chosen(locals()), name=name)
+    known, options = _prepared(image, spacing, chosen(locals()), name=name)
     with session(threads, progress) as running:
         records: list[dict[str, Any]] = json.loads(_core.reference(Request(known, options, running), list(methods)))
     return records
@@ -391,10 +387,10 @@ def surface(
     -----
     Curvature at vertices, its signs and its standard errors: docs/quantities.md. What they are off by: docs/accuracy.md.
     """
-    known, options = _prepared(image, spacing, _chosen(locals()), name=name)
+    known, options = _prepared(image, spacing, chosen(locals()), name=name)
     with session(threads, progress, one_object=label is None) as running:
         found = _core.surface(Request(known, options, running), _scale(curvature_sigma))
-    mapped = _only(found)
+    mapped = only(found)
     record = json.loads(mapped["record"])
     if not len(mapped["faces"]):
         raise InputError(
@@ -451,10 +447,10 @@ def voxel_maps(
         As of `measure`, and for a quantity of no known name.
     """
     asked = [quantities] if isinstance(quantities, str) else list(quantities)
-    known, options = _prepared(image, spacing, _chosen(locals()), name=name)
+    known, options = _prepared(image, spacing, chosen(locals()), name=name)
     with session(threads, progress, one_object=label is None) as running:
         found = _core.voxel_maps(Request(known, options, running), _scale(curvature_sigma), asked)
-    maps = _only(found)
+    maps = only(found)
     if isinstance(known, str):
         # Its place in the world, not its voxels: those are measured already.
         known = read(known, spacing, threads=threads)
@@ -634,7 +630,7 @@ progress
     InputError, ParameterError, FileError, UnsupportedTypeError
         As of `measure`, where the page would replace the image, and where it cannot be written.
     """
-    known, options = _prepared(image, spacing, _chosen(locals()), names, name)
+    known, options = _prepared(image, spacing, chosen(locals()), names, name)
     if isinstance(known, str) and Path(known).exists() and Path(output).exists() and Path(known).samefile(output):
         raise ParameterError(f"{output}: the page would replace the input; choose another name", path=fspath(output))
     command = f"surfometry.report of {known if isinstance(known, str) else known.name} in Python {sys.version.split()[0]}"

@@ -21,6 +21,15 @@ def options_of(**arguments: object) -> dict[str, str]:
     return {name: _WORDS.get(name, _plain)(name, value) for name, value in said.items()}
 
 
+def chosen(local: Mapping[str, object]) -> dict[str, object]:
+    """The arguments that choose how objects are measured, under the names of the command line's options."""
+    names = (
+        "label", "sigma", "thickness", "epsilon", "level", "embedding", "derivatives", "quadrature", "delta", "clip",
+        "padding", "paper", "explain", "per_component",
+    )  # fmt: skip
+    return {name: local[name] for name in names if name in local}
+
+
 def _plain(name: str, value: object) -> str:
     if isinstance(value, str):
         return value

@@ -5,6 +5,7 @@ mod commands;
 mod console;
 mod cures;
 mod inputs;
+mod journal_options;
 mod options;
 mod output;
 mod picture_options;
@@ -31,6 +32,7 @@ struct Cli {
 #[derive(Debug, Subcommand)]
 enum Command {
     Measure(commands::measure::Args),
+    Merge(commands::merge::Args),
     Map(commands::map::Args),
     Report(commands::report::Args),
     Embed(commands::embed::Args),
@@ -57,6 +59,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> u8 {
     }
     let outcome = match cli.command {
         Command::Measure(args) => commands::measure::run(&args, cli.quiet),
+        Command::Merge(args) => commands::merge::run(&args, cli.quiet),
         Command::Map(args) => commands::map::run(&args, cli.quiet),
         Command::Report(args) => commands::report::run(&args, cli.quiet),
         Command::Embed(args) => commands::embed::run(&args, cli.quiet),

@@ -3,13 +3,12 @@
 use crate::values::one_of;
 use anyhow::Result;
 use clap::{Args, ValueEnum};
-use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use surfometry::inputs::OpenOptions;
 use surfometry::integrals::{QuadratureRule, Smearing};
 use surfometry::measurement::{Clip, CurvatureScale, Derivatives, EmbeddingKind, Padding};
 use surfometry::runs::words::{curvature_scale, fraction, padding, positive, spacing};
-use surfometry::runs::{Choices, Lengths, Plan, SweptParameter};
+use surfometry::runs::{Choices, DocumentForm, Lengths, Plan, SweptParameter};
 use surfometry::volume::{LabelSelection, Spacing};
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -39,12 +38,11 @@ impl OutputOptions {
     }
 
     pub(crate) fn format(&self) -> OutputFormat {
-        let ending = self.path().and_then(Path::extension).map(OsStr::to_ascii_lowercase);
-        self.format.unwrap_or_else(|| match ending.as_ref().and_then(|e| e.to_str()) {
-            Some("json") => OutputFormat::Json,
-            Some("jsonl") => OutputFormat::Jsonl,
-            Some("csv") => OutputFormat::Csv,
-            _ => OutputFormat::Table,
+        self.format.unwrap_or_else(|| match self.path().and_then(DocumentForm::of_path) {
+            Some(DocumentForm::Json) => OutputFormat::Json,
+            Some(DocumentForm::JsonLines) => OutputFormat::Jsonl,
+            Some(DocumentForm::Csv) => OutputFormat::Csv,
+            None => OutputFormat::Table,
         })
     }
 }

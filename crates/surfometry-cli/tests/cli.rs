@@ -465,6 +465,8 @@ fn help_names_every_command_and_option() {
         "--spacing",
         "--format",
         "--output",
+        "--shard",
+        "--resume",
         "--threads",
         "--quiet",
     ] {

@@ -6,7 +6,7 @@ use std::io;
 use surfometry::inputs::InputError;
 use surfometry::io::ReadError;
 use surfometry::measurement::MeasureError;
-use surfometry::runs::{Cure, Failure, RunError};
+use surfometry::runs::{Cure, Failure, JournalError, RunError};
 use surfometry::volume::VolumeError;
 
 /// An exception of `surfometry._errors`, with its attributes.
@@ -52,12 +52,18 @@ pub(crate) struct Name<'a> {
 fn os_error(error: &RunError) -> Option<(String, Option<&io::Error>)> {
     match error {
         RunError::Input(InputError::Read(ReadError::Io { path, source }))
+        | RunError::Journal(JournalError::Io { path, source })
         | RunError::Write { path, source } => Some((path.display().to_string(), Some(source))),
         RunError::Input(InputError::Read(ReadError::NotAFile { path, .. })) => {
             Some((path.display().to_string(), None))
         }
         _ => None,
     }
+}
+
+/// What helps, whatever the input.
+pub(crate) fn cure(error: &RunError) -> Option<&'static str> {
+    hint(None, error)
 }
 
 /// What helps, in the names of the Python layer.

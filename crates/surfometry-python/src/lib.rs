@@ -6,6 +6,8 @@
 
 mod array_source;
 mod arrays;
+mod blocks;
+mod cohorts;
 mod compared;
 mod differentiated;
 mod errors;
@@ -23,11 +25,15 @@ use pyo3::prelude::*;
 #[pymodule]
 mod _core {
     #[pymodule_export]
+    use crate::blocks::{Blocks, Part, merged};
+    #[pymodule_export]
+    use crate::cohorts::{CohortJournal, cohort, measured_line};
+    #[pymodule_export]
     use crate::compared::compare;
     #[pymodule_export]
     use crate::differentiated::{integrals, integrals_vjp};
     #[pymodule_export]
-    use crate::measured::{describe, measure, measure_columns, reference, sweep};
+    use crate::measured::{columns_of, describe, measure, measure_columns, reference, sweep};
     #[pymodule_export]
     use crate::reading::{affine_of_directions, read};
     #[pymodule_export]

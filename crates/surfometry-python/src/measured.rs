@@ -58,14 +58,23 @@ pub(crate) fn measure(py: Python, request: Request) -> PyResult<String> {
 /// The same as columns of a table, and the flags of each row in full, as JSON.
 #[pyfunction]
 pub(crate) fn measure_columns(py: Python, request: Request) -> PyResult<String> {
-    let records = records_of(py, request)?;
+    columns(records_of(py, request)?)
+}
+
+/// The same of records, as JSON.
+#[pyfunction]
+pub(crate) fn columns_of(records: &str) -> PyResult<String> {
+    columns(serde_json::from_str(records).map_err(|error| PyRuntimeError::new_err(error.to_string()))?)
+}
+
+fn columns(records: Vec<Record>) -> PyResult<String> {
     let flags: Vec<_> = records.iter().map(|record| json!(record.measured.flags)).collect();
-    let columns: Map<String, Value> = table_columns(records)
+    let named: Map<String, Value> = table_columns(records)
         .map_err(|error| PyRuntimeError::new_err(error.to_string()))?
         .into_iter()
         .map(|(name, values)| (name, Value::Array(values)))
         .collect();
-    text(&json!({ "columns": columns, "flags": flags }))
+    text(&json!({ "columns": named, "flags": flags }))
 }
 
 /// Records over values of a parameter, and what could not be measured, as JSON.

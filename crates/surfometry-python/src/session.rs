@@ -32,11 +32,18 @@ pub(crate) struct Session<'py> {
 
 /// What was last heard of a run.
 #[derive(Clone, Default, PartialEq)]
-struct Heard {
+pub(crate) struct Heard {
     text: String,
     done: usize,
     of: usize,
     labels: usize,
+}
+
+impl Heard {
+    /// That one more of many is done.
+    pub(crate) fn of_many(text: &str, before: &Self, of: usize) -> Self {
+        Self { text: text.to_owned(), done: before.done + 1, of, labels: before.labels }
+    }
 }
 
 /// What the thread that measures says to the one that waits.
@@ -51,6 +58,17 @@ impl Session<'_> {
         &self,
         py: Python,
         input: &Held,
+        work: impl FnOnce(&Control, Prepared) -> Result<T, RunError> + Send + 'static,
+    ) -> PyResult<T> {
+        self.run_heard(py, input, hear, work)
+    }
+
+    /// The same, of whose events something else is heard.
+    pub(crate) fn run_heard<T: Send + 'static>(
+        &self,
+        py: Python,
+        input: &Held,
+        hear: impl Fn(&Event, &mut Heard) + Send + Sync + 'static,
         work: impl FnOnce(&Control, Prepared) -> Result<T, RunError> + Send + 'static,
     ) -> PyResult<T> {
         let pool = pool(self.threads).map_err(|e| PyRuntimeError::new_err(e.to_string()))?;

@@ -3,9 +3,10 @@
 use crate::console::{Voice, control};
 use crate::cures::cure;
 use crate::inputs::expand;
+use crate::journal_options::JournalOptions;
 use crate::options::{MeasureOptions, OutputOptions};
-use crate::output::{check_output, record_tables, say, with_scales, write_results};
-use anyhow::{Result, bail};
+use crate::output::{check_output, record_tables, say_sigmas, status, with_scales, write_results};
+use anyhow::{Context, Result, bail};
 use std::path::PathBuf;
 use surfometry::measurement::CurvatureScale;
 use surfometry::runs::{
@@ -32,6 +33,8 @@ pub(crate) struct Args {
     options: MeasureOptions,
     #[command(flatten)]
     results: OutputOptions,
+    #[command(flatten)]
+    journal: JournalOptions,
     /// Picture of the surface, coloured by mean curvature; `map` makes others. Where there are several inputs
     /// or objects, `_NAME` and `_label-N` go before the ending
     #[arg(long, value_name = "FILE.png")]
@@ -67,18 +70,22 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
     let (path, style, ledger) = (args.png.clone(), MapStyle::default(), FileLedger::new(&inputs));
     let pictures = path.map(|path| Pictures { path, style, ledger });
     let (open, scale_ledger) = (plan.open, plan.scale_ledger.clone());
+    let mut journal = args.journal.begin(&plan, &inputs, args.results.path())?;
+    let inputs = args.journal.own(&inputs);
     let task = MeasureTask { plan, pictures, timings: args.timings };
     let control = control(inputs.len(), Voice { quiet, memory: args.verbose });
     let batch = Batch { inputs: &inputs, open, control: &control, cure };
+    if let Some(journal) = journal.take_if(|_| args.journal.is_shard()) {
+        return Ok(status(journal.run(&batch, task, None).context("the shard cannot be written")?));
+    }
     let status = write_results(&args.results, record_tables(args.explain), |sink| {
         let mut sigmas = SigmaRange::new(sink);
-        let outcome = batch.run(&task, &mut sigmas)?;
-        let automatic = !quiet && args.options.sigma_is_automatic();
-        if let Some([low, high]) = sigmas.differing().filter(|_| automatic) {
-            say(&format!(
-                "the images differ in spacing, so the automatic sigma ran from {low:.4} to {high:.4} mm; use --sigma \
-                 {high:.4} to make the results comparable"
-            ));
+        let outcome = match journal {
+            Some(journal) => journal.run(&batch, task, Some(&mut sigmas))?,
+            None => batch.run(&task, &mut sigmas)?,
+        };
+        if !quiet && args.options.sigma_is_automatic() {
+            say_sigmas(&sigmas);
         }
         Ok(outcome)
     })?;

@@ -6,6 +6,7 @@ pub(crate) mod embed;
 pub(crate) mod info;
 pub(crate) mod map;
 pub(crate) mod measure;
+pub(crate) mod merge;
 pub(crate) mod phantom;
 pub(crate) mod reference;
 pub(crate) mod report;

@@ -14,7 +14,7 @@ pub(crate) use comparison_text::comparison_text;
 pub(crate) use description_text::description_text;
 pub(crate) use map_sink::MapSink;
 pub(crate) use page_sink::PageSink;
-pub(crate) use results::{status, with_scales, write_results};
+pub(crate) use results::{say_sigmas, status, with_scales, write_results};
 pub(crate) use sweep_table::sweep_tables;
 pub(crate) use table::{Layout, digits, flags_text, raised_text, record_tables};
 pub(crate) use table_sink::{Legend, TableSink, TableStyle};

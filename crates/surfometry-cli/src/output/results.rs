@@ -7,7 +7,7 @@ use crate::output::say;
 use anyhow::{Context, Result, anyhow};
 use std::io::{self, ErrorKind, IsTerminal};
 use surfometry::io::ResultOutput;
-use surfometry::runs::{CsvSink, JsonLinesSink, JsonSink, Outcome, Row, ScaleLedger, Sink};
+use surfometry::runs::{DocumentForm, Outcome, Row, ScaleLedger, SigmaRange, Sink};
 
 /// Runs something that hands its results to a sink, and writes them as the options say; the exit status.
 pub(crate) fn write_results<R: Row>(
@@ -29,14 +29,9 @@ pub(crate) fn write_results<R: Row>(
             let mut sink = TableSink::new(out, style, list_failures);
             run(&mut sink).and_then(|outcome| Ok((outcome, sink.finish()?)))
         }
-        OutputFormat::Json => JsonSink::new(out)
-            .and_then(|mut sink| run(&mut sink).and_then(|outcome| Ok((outcome, sink.finish()?)))),
-        OutputFormat::Jsonl => {
-            let mut sink = JsonLinesSink::new(out);
-            run(&mut sink).map(|outcome| (outcome, sink.finish()))
-        }
-        OutputFormat::Csv => CsvSink::new(out)
-            .and_then(|mut sink| run(&mut sink).and_then(|outcome| Ok((outcome, sink.finish()?)))),
+        OutputFormat::Json => DocumentForm::Json.write(out, run),
+        OutputFormat::Jsonl => DocumentForm::JsonLines.write(out, run),
+        OutputFormat::Csv => DocumentForm::Csv.write(out, run),
     };
     let finished = written.and_then(|(outcome, out)| out.end(outcome.stopped).map(|_| outcome));
     match finished {
@@ -47,6 +42,16 @@ pub(crate) fn write_results<R: Row>(
             Err(error).with_context(|| format!("{name}: cannot be written"))
         }
         Ok(outcome) => Ok(status(outcome)),
+    }
+}
+
+/// Tells that the automatic blurs of a run's images differ, where they do.
+pub(crate) fn say_sigmas(sigmas: &SigmaRange) {
+    if let Some([low, high]) = sigmas.differing() {
+        say(&format!(
+            "the images differ in spacing, so the automatic sigma ran from {low:.4} to {high:.4} mm; use --sigma \
+             {high:.4} to make the results comparable"
+        ));
     }
 }
 

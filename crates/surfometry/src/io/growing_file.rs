@@ -2,7 +2,7 @@
 
 use std::ffi::OsString;
 use std::fs::{self, File, TryLockError};
-use std::io::{self, Seek, Write};
+use std::io::{self, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
 /// A file under a name of its own, `NAME.partial`, until it is finished. Where a run is killed, what it has
@@ -23,6 +23,34 @@ impl GrowingFile {
     /// # Errors
     /// Whatever the file system says; a target that is a folder, or cannot be written.
     pub fn create(path: &Path) -> io::Result<Self> {
+        let growing = Self::open(path)?;
+        growing.file.set_len(0)?;
+        Ok(growing)
+    }
+
+    /// Goes on with the lines that an earlier unfinished one has, which are given; half a line at its end is taken away.
+    ///
+    /// # Errors
+    /// As of [`GrowingFile::create`]; bytes that are no text.
+    pub fn reopen_lines(path: &Path) -> io::Result<(Self, String)> {
+        let mut growing = Self::open(path)?;
+        let mut bytes = Vec::new();
+        growing.file.read_to_end(&mut bytes)?;
+        bytes.truncate(bytes.iter().rposition(|&byte| byte == b'\n').map_or(0, |last| last + 1));
+        growing.file.set_len(bytes.len() as u64)?;
+        growing.file.seek(SeekFrom::Start(bytes.len() as u64))?;
+        let lines =
+            String::from_utf8(bytes).map_err(|error| io::Error::new(io::ErrorKind::InvalidData, error))?;
+        Ok((growing, lines))
+    }
+
+    /// Where it is until it is finished.
+    pub fn partial(&self) -> &Path {
+        &self.partial
+    }
+
+    /// The unfinished file, as it is; nobody else may be at it.
+    fn open(path: &Path) -> io::Result<Self> {
         let target = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
         if target.is_dir() {
             return Err(io::Error::new(io::ErrorKind::IsADirectory, "it is a folder"));
@@ -39,13 +67,12 @@ impl GrowingFile {
             let error = format!("{} is no file: remove it", partial.display());
             return Err(io::Error::new(io::ErrorKind::AlreadyExists, error));
         }
-        let file = File::options().write(true).create(true).truncate(false).open(&partial)?;
+        let file = File::options().read(true).write(true).create(true).truncate(false).open(&partial)?;
         // An unfinished one of a run that was killed is written over, but not one that another run is at.
         if let Err(TryLockError::WouldBlock) = file.try_lock() {
             let error = format!("another run is writing it ({})", partial.display());
             return Err(io::Error::new(io::ErrorKind::ResourceBusy, error));
         }
-        file.set_len(0)?;
         Ok(Self { file, end: 0, partial, target })
     }
 

@@ -3,6 +3,7 @@
 use super::{Failure, RunError};
 use crate::inputs::{OpenOptions, Source, distinct_parts, open};
 use crate::{Control, Event};
+use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::io;
 use std::sync::mpsc;
@@ -62,7 +63,8 @@ pub struct Opened<'a> {
 }
 
 /// What a task hands out.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Item<R> {
     /// A result.
     Row(R),
@@ -266,10 +268,7 @@ impl Batch<'_> {
 
     /// The failure of an input, of which whoever listens is told at once.
     fn failed(&self, input: &str, error: &RunError) -> Failure {
-        let failure = match (self.cure)(error) {
-            Some(cure) => Failure::new(input, &format!("{error} ({cure})")),
-            None => Failure::new(input, error),
-        };
+        let failure = Failure::of(input, error, self.cure);
         self.control.tell(&Event::Failed { input, error: &failure.error });
         failure
     }
@@ -291,7 +290,7 @@ fn waited_for<T>(number: usize, receiver: &mpsc::Receiver<(usize, T)>, early: &m
 }
 
 impl Outcome {
-    fn hand<R>(&mut self, item: Item<R>, sink: &mut dyn Sink<R>) -> io::Result<()> {
+    pub(super) fn hand<R>(&mut self, item: Item<R>, sink: &mut dyn Sink<R>) -> io::Result<()> {
         match item {
             Item::Row(row) => {
                 self.rows += 1;

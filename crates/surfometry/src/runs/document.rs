@@ -1,13 +1,62 @@
 //! Results as documents, written while they come.
 
 use super::flatten::each_field;
-use super::{Failure, Sink};
+use super::{Failure, Outcome, Sink};
 use crate::io::ResultOutput;
 use serde::Serialize;
 use serde_json::{Value, json};
 use std::collections::HashMap;
 use std::io::{self, Write};
 use std::marker::PhantomData;
+use std::path::Path;
+
+/// The form of a document.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum DocumentForm {
+    /// One document.
+    Json,
+    /// A line of JSON a result.
+    JsonLines,
+    /// A table.
+    Csv,
+}
+
+impl DocumentForm {
+    /// The one that the ending of a file's name says.
+    pub fn of_path(path: &Path) -> Option<Self> {
+        match path.extension()?.to_ascii_lowercase().to_str()? {
+            "json" => Some(Self::Json),
+            "jsonl" => Some(Self::JsonLines),
+            "csv" => Some(Self::Csv),
+            _ => None,
+        }
+    }
+
+    /// Runs something that hands its results to a sink, and writes these in this form; the output is to be ended.
+    ///
+    /// # Errors
+    /// Whatever keeps them from being written.
+    pub fn write<R: Row>(
+        self,
+        out: ResultOutput,
+        run: impl FnOnce(&mut dyn Sink<R>) -> io::Result<Outcome>,
+    ) -> io::Result<(Outcome, ResultOutput)> {
+        match self {
+            Self::Json => {
+                let mut sink = JsonSink::new(out)?;
+                Ok((run(&mut sink)?, sink.finish()?))
+            }
+            Self::JsonLines => {
+                let mut sink = JsonLinesSink::new(out);
+                Ok((run(&mut sink)?, sink.finish()))
+            }
+            Self::Csv => {
+                let mut sink = CsvSink::new(out)?;
+                Ok((run(&mut sink)?, sink.finish()?))
+            }
+        }
+    }
+}
 
 /// A result that documents and tables hold.
 pub trait Row: Serialize + Send {

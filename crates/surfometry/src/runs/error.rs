@@ -47,6 +47,9 @@ pub enum RunError {
         /// Why.
         source: io::Error,
     },
+    /// A run's journal.
+    #[error(transparent)]
+    Journal(#[from] super::JournalError),
     /// A measure that records do not have.
     #[error("{0}: no number of that name is measured; names are those of the columns of CSV")]
     NoMeasure(String),

@@ -1,9 +1,8 @@
 //! Objects to records.
 
 use super::ExplainTopology;
-use super::object::{looked_at, what_is_explained};
 use super::reading::{FileStamps, Watched, name_of};
-use super::{InputObject, Item, Opened, Plan, Reading, Record, RunError, Task};
+use super::{Item, Opened, Plan, Reading, Record, RunError, Task};
 use crate::inputs::open;
 use crate::measurement::{Measured, StageSeconds};
 use crate::volume::LabelGroup;
@@ -34,12 +33,7 @@ impl Task for MeasureTask {
 impl MeasureTask {
     /// Whether more is asked of an input than can be had while its slices go by.
     fn needs_all(&self) -> bool {
-        let plan = &self.plan;
-        !plan.measurement.embedding.is_of_labels()
-            || plan.per_component
-            || !plan.scales.is_empty()
-            || plan.explain_topology == ExplainTopology::Always
-            || self.draws()
+        self.plan.needs_all() || self.plan.explain_topology == ExplainTopology::Always || self.draws()
     }
 
     #[cfg(feature = "pictures")]
@@ -121,16 +115,8 @@ impl MeasureTask {
     /// Where the blur loses detail, or voxels and mesh disagree, the input is read again: to measure the object in the
     /// embedding that gives it back, and to see why.
     fn explain(&self, input: &Opened, results: &mut [(LabelGroup, Measured)]) -> Result<(), RunError> {
-        let recovers = self.plan.recover && self.plan.measurement.recovering().is_some();
-        let explain = self.plan.explain_topology;
-        let is_looked_at = |measured: &mut Measured| {
-            let wanted = looked_at(measured, explain).is_some() || recovers && measured.is_doubtful();
-            if !wanted {
-                what_is_explained(measured, explain);
-            }
-            wanted
-        };
-        let wanted: Vec<bool> = results.iter_mut().map(|(_, measured)| is_looked_at(measured)).collect();
+        let wanted: Vec<bool> =
+            results.iter_mut().map(|(_, measured)| self.plan.wants_whole(measured)).collect();
         if !wanted.contains(&true) {
             return Ok(());
         }
@@ -139,11 +125,8 @@ impl MeasureTask {
         let read_again = start.elapsed().as_secs_f64();
         let numbered = results.par_iter_mut().enumerate().filter(|(number, _)| wanted[*number]);
         numbered.try_for_each(|(number, (_, measured))| {
-            for object in reading.objects_at(number, &self.plan) {
-                let known = InputObject { measured: Some(measured.clone()), ..object? };
-                *measured = known.settled()?.explained();
-            }
-            input.control.check().map_err(RunError::from)
+            *measured = reading.looked_again(number, measured.clone())?;
+            Ok::<(), RunError>(())
         })?;
         if let Some(first) = wanted.iter().position(|&wanted| wanted) {
             results[first].1.timings.read_again = read_again;

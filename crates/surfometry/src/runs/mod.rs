@@ -2,6 +2,7 @@
 //! [`Sink`] for each place where results go. Every front end is a face of these.
 
 mod batch;
+mod blockwise;
 mod choices;
 mod cohort_files;
 mod columns;
@@ -12,6 +13,8 @@ mod error;
 mod file_ledger;
 mod flatten;
 mod info;
+mod journal;
+mod journalled;
 mod label_scales;
 mod lengths;
 #[cfg(feature = "pictures")]
@@ -19,6 +22,7 @@ mod map;
 #[cfg(feature = "pictures")]
 mod map_files;
 mod measure;
+mod merge;
 mod mixed_sigma;
 mod object;
 #[cfg(feature = "pictures")]
@@ -28,6 +32,8 @@ mod reading;
 mod record;
 mod reference;
 mod scale_ledger;
+mod settings;
+mod shard;
 mod surface_record;
 mod surface_task;
 #[cfg(feature = "pictures")]
@@ -39,15 +45,18 @@ mod voxel_map_task;
 pub mod words;
 
 pub use batch::{Batch, Collected, Item, Opened, Outcome, Sink, Task};
+pub use blockwise::{BlockRecord, Blockwise};
 pub use choices::Choices;
 pub use cohort_files::{CohortFile, write_cohort, write_zoo};
 pub use cure::Cure;
-pub use document::{CsvSink, JsonLinesSink, JsonSink, Row};
+pub use document::{CsvSink, DocumentForm, JsonLinesSink, JsonSink, Row};
 pub use embed::{EmbedTask, EmbeddedObject};
 pub use error::RunError;
 pub use file_ledger::FileLedger;
 pub use flatten::flatten;
 pub use info::{AffineDescription, InfoTask, InputDescription, LabelDescription};
+pub use journal::{JOURNAL_SCHEMA, Journal, JournalError, RunHead};
+pub use journalled::journal_line;
 pub use label_scales::LabelScales;
 pub use lengths::{Length, Lengths};
 #[cfg(feature = "pictures")]
@@ -55,6 +64,7 @@ pub use map::MapTask;
 #[cfg(feature = "pictures")]
 pub use map_files::{MapFile, MapStyle, write_figure, write_map_files};
 pub use measure::{MeasureTask, records_of};
+pub use merge::Shards;
 pub use mixed_sigma::SigmaRange;
 pub use object::InputObject;
 #[cfg(feature = "pictures")]
@@ -64,6 +74,8 @@ pub use reading::Reading;
 pub use record::{Failure, Record, SCHEMA};
 pub use reference::{REFERENCE_SCHEMA, ReferenceRecord, ReferenceTask};
 pub use scale_ledger::ScaleLedger;
+pub use settings::Settings;
+pub use shard::Shard;
 pub use surface_record::{MAP_SCHEMA, SurfaceRecord};
 pub use surface_task::{MappedSurface, SurfaceTask};
 #[cfg(feature = "pictures")]

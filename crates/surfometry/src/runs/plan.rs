@@ -1,8 +1,9 @@
 //! What is asked of every input of a run.
 
+use super::object::{looked_at, what_is_explained};
 use super::{LabelScales, ScaleLedger};
 use crate::inputs::OpenOptions;
-use crate::measurement::{CurvatureScale, EmbeddingKind, MeasureError, Measurement};
+use crate::measurement::{CurvatureScale, EmbeddingKind, MeasureError, Measured, Measurement};
 use crate::volume::{LabelGroup, LabelSelection};
 
 /// What is asked of every input of a run.
@@ -69,6 +70,23 @@ impl Plan {
     /// How an object of a label, or of labels that are united, is measured.
     pub fn measurement_of(&self, label: &LabelGroup) -> Measurement {
         self.scales.of(label, self.measurement)
+    }
+
+    /// Whether objects are not those of labels, or not measured alike, so that they must be known as wholes.
+    pub(super) fn needs_all(&self) -> bool {
+        !self.measurement.embedding.is_of_labels() || self.per_component || !self.scales.is_empty()
+    }
+
+    /// Whether an object that was measured while its slices went by is to be known as a whole: the blur loses detail of
+    /// it, or voxels and mesh disagree. Where it is not, that is said in its flags.
+    pub(super) fn wants_whole(&self, measured: &mut Measured) -> bool {
+        let recovers = self.recover && self.measurement.recovering().is_some();
+        let wanted =
+            looked_at(measured, self.explain_topology).is_some() || recovers && measured.is_doubtful();
+        if !wanted {
+            what_is_explained(measured, self.explain_topology);
+        }
+        wanted
     }
 
     /// Refuses what contradicts itself, whatever the input.

@@ -3,11 +3,12 @@
 use super::object::InputFacts;
 use super::{InputObject, Opened, Plan, RunError};
 use crate::inputs::{InputError, Source};
-use crate::measurement::{CurvatureScale, EmbeddingKind, MeasureError};
+use crate::measurement::{CurvatureScale, EmbeddingKind, MeasureError, Measured};
 use crate::phantoms::Truth;
 use crate::topology::{ComponentLabels, Connectivity};
 use crate::volume::{FieldImage, LabelGroup, LabelImage, Mask, ProbabilityImage, Slab, SlabReader};
 use crate::{Control, Event, Stopped};
+use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::{Arc, OnceLock};
@@ -66,6 +67,37 @@ impl<'a> Reading<'a> {
             matches!(&content, Content::Labels(labelled) if labelled.image.summaries().len() > 1);
         let facts = Arc::new(InputFacts::new(input, plan, many_labels, start.elapsed().as_secs_f64()));
         Ok(Self { plan, control: input.control, facts, content })
+    }
+
+    /// Some objects of an image of which only the part is known in which they are.
+    pub(super) fn of_part(
+        name: &str,
+        plan: &'a Plan,
+        control: &'a Control,
+        image: LabelImage,
+        groups: Vec<LabelGroup>,
+    ) -> Self {
+        let facts = InputFacts {
+            input: name.to_owned(),
+            many_labels: image.summaries().len() > 1,
+            flags: Vec::new(),
+            read_seconds: 0.0,
+            explain: plan.explain_topology,
+            control: control.clone(),
+        };
+        let labelled = Labelled { image, groups, names: BTreeMap::new(), truth: None };
+        Self { plan, control, facts: Arc::new(facts), content: Content::Labels(Box::new(labelled)) }
+    }
+
+    /// The numbers of an object that was measured while its slices went by, or block by block, now that it is known as a
+    /// whole: in the embedding that gives it back, and with what is to be said of its topology.
+    pub(super) fn looked_again(&self, number: usize, measured: Measured) -> Result<Measured, RunError> {
+        let mut known = measured;
+        for object in self.objects_at(number, self.plan) {
+            known = InputObject { measured: Some(known), ..object? }.settled()?.explained();
+        }
+        self.control.check()?;
+        Ok(known)
     }
 
     /// The selected objects, one after the other in order of label.
@@ -234,7 +266,7 @@ impl<R: SlabReader<Error = InputError>> SlabReader for Watched<'_, R> {
 }
 
 /// Sizes and times of an input's files, which tell whether two readings were of the same.
-#[derive(Debug, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct FileStamps(Vec<Option<(u64, Option<SystemTime>)>>);
 
 impl FileStamps {

@@ -1,7 +1,7 @@
 //! What is written of an object.
 
-use super::Row;
 use super::columns::{RECORD, columns};
+use super::{Row, RunError};
 use crate::measurement::Measured;
 use crate::phantoms::Truth;
 use crate::volume::LabelGroup;
@@ -60,6 +60,14 @@ impl Failure {
         let error = error.to_string();
         let error = error.strip_prefix(&format!("{input}: ")).map(str::to_owned).unwrap_or(error);
         Self { input: input.to_owned(), error }
+    }
+
+    /// The same of a run's error, with the front end's words for what helps.
+    pub(super) fn of(input: &str, error: &RunError, cure: fn(&RunError) -> Option<&'static str>) -> Self {
+        match cure(error) {
+            Some(cure) => Self::new(input, &format!("{error} ({cure})")),
+            None => Self::new(input, error),
+        }
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::label_runs::{LabelRuns, Run, SliceRuns};
 use super::samples::for_samples;
-use super::{Grid, LabelGroup, Mask, Scalar, Slab, SlabReader, VolumeError};
+use super::{Grid, LabelGroup, Mask, Samples, Scalar, Slab, SlabReader, VolumeError};
 use crate::tiling::IndexBox;
 use fearless_simd::{Level, dispatch};
 use rayon::prelude::*;
@@ -133,7 +133,7 @@ impl RunEncoder {
         }
     }
 
-    fn finish(self, grid: Grid, runs: LabelRuns) -> Result<LabelImage, VolumeError> {
+    pub(super) fn finish(self, grid: Grid, runs: LabelRuns) -> Result<LabelImage, VolumeError> {
         self.check_complete()?;
         let Self { labels, mut summaries, .. } = self;
         summaries.remove(0);
@@ -143,7 +143,16 @@ impl RunEncoder {
 
     /// Adds a slab's slices to those that are there.
     pub(crate) fn push(&mut self, slab: &Slab, runs: &mut LabelRuns) -> Result<(), VolumeError> {
-        for_samples!(&slab.samples, values => self.push_values(values, runs))
+        self.push_samples(&slab.samples, runs)
+    }
+
+    /// The same of slices whose place is known.
+    pub(super) fn push_samples(
+        &mut self,
+        samples: &Samples,
+        runs: &mut LabelRuns,
+    ) -> Result<(), VolumeError> {
+        for_samples!(samples, values => self.push_values(values, runs))
     }
 
     /// The labels that have occurred, by code; the first is background.
@@ -289,7 +298,6 @@ impl LabelSummary {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::volume::Samples;
 
     struct Whole(Grid, Option<Slab>);
 

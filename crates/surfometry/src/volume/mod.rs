@@ -32,7 +32,7 @@ pub use error::VolumeError;
 pub(crate) use field::LARGEST as LARGEST_FIELD_VALUE;
 pub use field::{FieldImage, FieldValues};
 pub use grid::Grid;
-pub use label_block::LabelBlock;
+pub use label_block::{LabelBlock, LabelBlockBuilder};
 pub(crate) use label_runs::LabelRuns;
 pub(crate) use labels::RunEncoder;
 pub use labels::{LabelImage, LabelSummary};
