@@ -40,7 +40,7 @@ TOOLS = ["surfometry", "DGtal", "libigl", "vtkCurvatures"]
 ASKED = {"DGtal": 3.0, "libigl": 1.3}
 
 
-def ours(binary, mask, folder, scale="auto"):
+def ours(binary, mask, folder, scale="object"):
     """Vertices, their areas, and H and K there."""
     source, target = folder / "mask.npy", folder / "surface.vtp"
     np.save(source, np.ascontiguousarray(mask.T.astype(np.uint8)))
@@ -142,7 +142,7 @@ def squared_errors(case, binary, folder):
     vertices, areas, values = vertices[seen], areas[seen], values[:, seen]
     truth, units = case.truth(vertices), case.rms_curvature ** np.array([1, 2])
     square = lambda found: np.average((found - truth) ** 2, axis=1, weights=areas) / units**2
-    errors = {("surfometry", "auto", True): square(values)}
+    errors = {("surfometry", "object", True): square(values)}
     for scale in SCALES:
         sigma = f"{scale * case.resolution ** (5 / 7):.2f}"
         places, _, found = ours(binary, case.mask, folder, sigma)

@@ -19,7 +19,7 @@ import numpy as np
 ROOT = Path(__file__).resolve().parents[2]
 PROGRAM = ROOT / "target/release/surfometry"
 FAULTS = Path("/work/shared/data/faults/measures")
-SCALES = ("auto", "local")
+SCALES = ("object", "local")
 rms = lambda values: float(np.sqrt(np.mean(np.square(values))))
 
 
@@ -41,13 +41,13 @@ def vertices(image, scale):
 def zoo():
     """Held-out poses (200 and on) of all shapes: H | K in %, place in voxels, share within the bars."""
     for resolution, ratio, poses in ((10, 1, 3), (20, 1, 2), (10, 2.5, 1)):
-        print(f"\nR = {resolution}, spacings 1:{ratio}\n\n| shape | auto | local |\n|---|---|---|")
+        print(f"\nR = {resolution}, spacings 1:{ratio}\n\n| shape | object | local |\n|---|---|---|")
         found = {}
         for scale in SCALES:
             text = run("validate", "--resolutions", resolution, "--ratios", ratio, "--poses", poses, "--first-pose", 200,
                        "--curvature-sigma", scale, "--format", "json", "--quiet")
             found[scale] = {row["shape"]: row for row in json.loads(text)["summaries"]}
-        for shape in found["auto"]:
+        for shape in found["object"]:
             cells = []
             for scale in SCALES:
                 row = found[scale][shape]
@@ -102,7 +102,7 @@ def noisy(kind, seed):
 
 def noise():
     """Masks that are wrong: rms error of H in %, and the share of vertices within the bars."""
-    print("\n| mask | auto | local |\n|---|---|---|")
+    print("\n| mask | object | local |\n|---|---|---|")
     for kind in ("clean", "jittered edge", "1 % flipped", "5 % flipped", "slices shifted"):
         cells = []
         for scale in SCALES:

@@ -364,9 +364,9 @@ def surface(
     ----------
     image, spacing, label, sigma, thickness, level, embedding, derivatives, clip, padding, paper, name, threads, progress
         As of `measure`.
-    curvature_sigma : float, {"auto", "local"} or None
-        Blur in mm of the corrected embedding in which curvature is that of the object as segmented, or how it is chosen;
-        None maps the surface as it is measured.
+    curvature_sigma : float, {"auto", "local", "object"} or None
+        Blur in mm of the corrected embedding in which curvature is that of the object as segmented, or how it is chosen:
+        at each vertex ("auto", "local") or once, which is faster ("object"). None maps the surface as it is measured.
 
     Returns
     -------
@@ -432,7 +432,7 @@ def voxel_maps(
         As of `measure`.
     quantities : str or sequence of str
         Of ``mean-curvature``, ``gaussian-curvature``, ``delta``, ``phi``, ``band``.
-    curvature_sigma : float, {"auto", "local"} or None
+    curvature_sigma : float, {"auto", "local", "object"} or None
         As of `surface`.
 
     Returns
@@ -622,7 +622,7 @@ progress
         The page, written whole or not at all.
     title : str, optional
         Its heading.
-    curvature_sigma : float, {"auto", "local"} or None
+    curvature_sigma : float, {"auto", "local", "object"} or None
         As of `surface`.
 
     Raises

@@ -51,10 +51,10 @@ impl OutputOptions {
 #[derive(Debug, Args)]
 pub(crate) struct CurvatureOptions {
     /// Map the surface and its curvature in the corrected embedding, as those of the original object, at this
-    /// blur in mm; auto = what suits the object's curvature and the spacing; local = what suits each vertex, in
-    /// the embedding that gives the object back. Integrals keep --sigma [default:
+    /// blur in mm; auto = local = what suits each vertex, in the embedding that gives the object back; object = one
+    /// that suits the object as a whole, faster. Integrals keep --sigma [default:
     /// the surface as measured]
-    #[arg(long, value_name = "MM|auto|local", value_parser = curvature_scale, allow_hyphen_values = true)]
+    #[arg(long, value_name = "MM|auto|local|object", value_parser = curvature_scale, allow_hyphen_values = true)]
     curvature_sigma: Option<CurvatureScale>,
 }
 

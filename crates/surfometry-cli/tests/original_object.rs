@@ -155,7 +155,7 @@ fn maps_at_a_scale_of_their_own() {
     let file = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
     let (csv, record) = (file("ball.csv"), file("ball.json"));
     let ball = "phantom:ball?radius=30&shift=0.3,0.2,0.1";
-    let output = run(&["map", ball, "--curvature-sigma", "auto", "-o", &csv, "-o", &record]);
+    let output = run(&["map", ball, "--curvature-sigma", "object", "-o", &csv, "-o", &record]);
     assert!(output.status.success(), "{}", text(&output.stderr));
     let document: Value = serde_json::from_str(&std::fs::read_to_string(record).unwrap()).unwrap();
     let parameters = &document["results"][0]["parameters"];

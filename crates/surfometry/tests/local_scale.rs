@@ -48,7 +48,7 @@ fn smooth_shapes_are_better_than_with_one_scale() {
         let spacing = [[1.0; 3], [1.0, 0.8, 0.6], [0.5, 1.0, 0.5]][number];
         let ellipsoid = phantom(Ellipsoid { radii: [20.0, 15.0, 10.0] }, pose, spacing);
         let mask = ellipsoid.labels().unwrap().mask(1);
-        let [one, own] = [CurvatureScale::Auto, CurvatureScale::Local]
+        let [one, own] = [CurvatureScale::Object, CurvatureScale::Local]
             .map(|scale| errors(&ellipsoid, &surface(&mask, scale)));
         println!("ellipsoid {spacing:?}: one {one:.3?}, own {own:.3?}");
         let ([mean, gaussian, place], covered) = own;
@@ -101,7 +101,7 @@ fn a_dimple_is_seen() {
             .min_by(|&a, &b| at(&surface.mesh.vertices[a]).total_cmp(&at(&surface.mesh.vertices[b])));
         surface.vertices[nearest.unwrap()]
     };
-    let [one, own] = [CurvatureScale::Auto, CurvatureScale::Local].map(lowest);
+    let [one, own] = [CurvatureScale::Object, CurvatureScale::Local].map(lowest);
     let (found, bar) = (own.curvature.mean_curvature, f64::from(own.errors.unwrap().mean_curvature));
     println!("exact {exact:.3}, one {:.3}, own {found:.3} +- {bar:.3}", one.curvature.mean_curvature);
     assert!(one.curvature.mean_curvature > 0.3 * exact);
@@ -127,7 +127,7 @@ fn a_small_ball_beside_a_large_one() {
             near.map(|(p, v)| (distance(p) - small, v.curvature.mean_curvature * small - 1.0)).unzip();
         (rms(places.into_iter()), rms(curvatures.into_iter()))
     };
-    let ((shift, _), (place, curvature)) = (at(CurvatureScale::Auto), at(CurvatureScale::Local));
+    let ((shift, _), (place, curvature)) = (at(CurvatureScale::Object), at(CurvatureScale::Local));
     println!("one scale {shift:.2} voxels off, own {place:.3}, H {:.1} % off", 100.0 * curvature);
     assert!(shift > 0.5 && place < 0.08 && curvature < 0.05, "{shift} {place} {curvature}");
 }
@@ -154,16 +154,17 @@ fn noisy_and_soft_objects_have_one_scale() {
         })
         .collect();
     let noisy = Mask::from_predicate(*clean.grid(), |[x, y, z]| bits[x + 40 * y + 1600 * z]);
-    assert_eq!(surface(&noisy, CurvatureScale::Local), surface(&noisy, CurvatureScale::Auto));
+    assert_eq!(surface(&noisy, CurvatureScale::Local), surface(&noisy, CurvatureScale::Object));
     let values = bits.iter().map(|&bit| f32::from(u8::from(bit))).collect();
     let soft = ProbabilityImage::new(*clean.grid(), values).unwrap();
-    let [own, one] = [CurvatureScale::Local, CurvatureScale::Auto]
+    let [own, one] = [CurvatureScale::Local, CurvatureScale::Object]
         .map(|scale| Measurement::default().for_local_curvature_of_probability(&soft, scale).unwrap());
     assert_eq!(own, one);
     let own = surface(&clean, CurvatureScale::Local);
+    assert_eq!(own, surface(&clean, CurvatureScale::Auto));
     assert!(own.vertices.iter().all(|v| v.curvature_sigma.is_some_and(|sigma| (1.5..8.1).contains(&sigma))));
     let named = |surface: &Surface| surface.arrays().iter().any(|array| array.name == "curvature_sigma_mm");
-    assert!(named(&own) && !named(&surface(&clean, CurvatureScale::Auto)));
+    assert!(named(&own) && !named(&surface(&clean, CurvatureScale::Object)));
 }
 
 /// One thread and two give the same bits.

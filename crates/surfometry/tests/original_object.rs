@@ -84,7 +84,7 @@ fn the_scale_follows_object_and_grid() {
     let scale = |size: f64, spacing: f64| {
         let shape = phantom(Ellipsoid { radii: [3.0, 2.0, 1.5].map(|r| r * size) }, poses()[1], [spacing; 3]);
         let mask = shape.labels().unwrap().mask(1);
-        let object = Measurement::default().for_local_curvature(&mask, CurvatureScale::Auto).unwrap();
+        let object = Measurement::default().for_local_curvature(&mask, CurvatureScale::Object).unwrap();
         object.prepare(&mask).unwrap().parameters().sigma_mm.unwrap()
     };
     let base = scale(12.0, 1.0);
@@ -162,7 +162,7 @@ fn principal_curvatures_keep_to_their_bars() {
     };
     for (number, phantom) in poses().into_iter().flat_map(shapes).enumerate() {
         let mask = phantom.labels().unwrap().mask(1);
-        let m = Measurement::default().for_local_curvature(&mask, CurvatureScale::Auto).unwrap();
+        let m = Measurement::default().for_local_curvature(&mask, CurvatureScale::Object).unwrap();
         let surface = m.prepare(&mask).unwrap().surface();
         let (mut within, mut total, mut standardised) = ([0.0; 3], 0.0, Vec::new());
         for (place, vertex) in surface.mesh.vertices.iter().zip(&surface.vertices).step_by(3) {

@@ -48,8 +48,8 @@ pub(crate) struct Args {
     /// files' names, and the others the names of ours, volume_mm3, surface_area_mm2, total_mean_curvature_mm
     #[arg(long, value_name = "FILE.csv")]
     against: Option<PathBuf>,
-    /// Scale of local curvature: `auto`, one for each shape, or `local`, one at each vertex
-    #[arg(long, value_name = "auto|local", default_value = "auto", value_parser = automatic)]
+    /// Scale of local curvature: `auto` and `local`, one at each vertex, or `object`, one for each shape
+    #[arg(long, value_name = "auto|local|object", default_value = "auto", value_parser = automatic)]
     curvature_sigma: CurvatureScale,
     /// Integrals alone
     #[arg(long)]
@@ -79,7 +79,7 @@ fn resolution(text: &str) -> Result<f64, String> {
 
 fn automatic(text: &str) -> Result<CurvatureScale, String> {
     let automatic = curvature_scale(text).ok().filter(|scale| !matches!(scale, CurvatureScale::Mm(_)));
-    automatic.ok_or_else(|| "it must be auto or local".to_owned())
+    automatic.ok_or_else(|| "it must be auto, local or object".to_owned())
 }
 
 fn ratio(text: &str) -> Result<f64, String> {

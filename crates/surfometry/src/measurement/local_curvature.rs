@@ -22,12 +22,14 @@ pub enum CurvatureScale {
     /// That of the integrals: curvature of the blurred object.
     #[default]
     AsMeasured,
-    /// The corrected embedding at a sigma that follows the object's radius of curvature and the spacing:
-    /// curvature of the original object.
+    /// What is known to be best: [`CurvatureScale::Local`] since `experiments/local_scale`.
     Auto,
+    /// The corrected embedding at one sigma, which follows the object's radius of curvature and the spacing:
+    /// curvature of the original object, without detail that this sigma blurs. A tenth to all of the time.
+    Object,
     /// The embedding that gives the object back, at a sigma of its own at each vertex: curvature of the original
     /// object. Soft segmentations, objects cut open and noisy masks, which nothing should give back, have one
-    /// sigma, as [`CurvatureScale::Auto`].
+    /// sigma, as [`CurvatureScale::Object`].
     Local,
     /// The corrected embedding at this sigma, mm.
     Mm(f64),
@@ -38,8 +40,8 @@ type Prepare<'a> = &'a dyn Fn(&Measurement) -> Result<Object, MeasureError>;
 
 impl Measurement {
     /// The measurement whose surface has the local curvature of the original object
-    /// ([`EmbeddingKind::Corrected`]), at a given sigma or at the one that suits the object: 0.66 h^(2/7)
-    /// R^(5/7), with h the rms spacing and 1/R the rms over the surface of the larger principal curvature,
+    /// ([`EmbeddingKind::Corrected`]), at a given sigma, at those that suit its vertices, or at the one that suits the
+    /// object: 0.66 h^(2/7) R^(5/7), with h the rms spacing and 1/R the rms over the surface of the larger principal curvature,
     /// from a pilot measurement at sigma = 3 h; then 0.6 to 1.45 times that, as the change of curvature with
     /// sigma tells noise from bias ([`balanced_sigma`]).
     ///
@@ -83,8 +85,8 @@ impl Measurement {
         let local = match scale {
             CurvatureScale::AsMeasured => return Ok(*self),
             CurvatureScale::Mm(sigma) => self.corrected(sigma),
-            CurvatureScale::Auto => self.corrected(self.scale_of(spacing, prepare)?),
-            CurvatureScale::Local => self.of_vertices(spacing, mask, prepare)?,
+            CurvatureScale::Object => self.corrected(self.scale_of(spacing, prepare)?),
+            CurvatureScale::Auto | CurvatureScale::Local => self.of_vertices(spacing, mask, prepare)?,
         };
         Parameters::resolve(&local, spacing).map(|_| local)
     }

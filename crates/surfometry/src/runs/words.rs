@@ -45,7 +45,7 @@ pub fn fraction(text: &str) -> Result<f64, WordError> {
     if value > 0.0 && value < 1.0 { Ok(value) } else { Err(WordError::new("it must lie between 0 and 1")) }
 }
 
-/// A scale of local curvature: mm, `auto` or `local`.
+/// A scale of local curvature: mm, `auto`, `local` or `object`.
 ///
 /// # Errors
 /// [`WordError`].
@@ -53,6 +53,7 @@ pub fn curvature_scale(text: &str) -> Result<CurvatureScale, WordError> {
     match text {
         "auto" => Ok(CurvatureScale::Auto),
         "local" => Ok(CurvatureScale::Local),
+        "object" => Ok(CurvatureScale::Object),
         _ => positive(text).map(CurvatureScale::Mm),
     }
 }
