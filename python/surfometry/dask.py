@@ -22,7 +22,7 @@ from . import _core
 from ._cohort import CohortSummary, cohort_of, resumed
 from ._cohort import tabulated as cohort_table
 from ._errors import Error, InputError, ParameterError, UnsupportedTypeError
-from ._image import names_of, native, spacing_words
+from ._image import names_of, native, spacing_words, unmasked
 from ._measure import only, tabulated
 from ._options import Labels, Length, chosen, options_of
 from ._results import Measurement, warn_of
@@ -322,10 +322,14 @@ def _turned(corners: Any) -> tuple[Any, ...]:
     return tuple(list(corner)[::-1] for corner in corners)
 
 
+def _plain(values: Any) -> NDArray[Any]:
+    return unmasked(values) if isinstance(values, np.ma.MaskedArray) else np.asarray(values)
+
+
 def _part(blocks: _core.Blocks, corners: _Corners, slabs: Iterable[Any]) -> _core.Part:
     part = blocks.part(*_turned(corners))
     for slab in slabs:
-        voxels: NDArray[Any] = np.asarray(slab)
+        voxels: NDArray[Any] = _plain(slab)
         part.push(native(voxels))
     return part
 
@@ -447,7 +451,7 @@ def _computed(graph: dict[Any, Any], array: Any) -> Any:
     from dask import delayed
     from dask._task_spec import TaskRef
 
-    values = delayed(np.asarray)(array)
+    values = delayed(_plain)(array)
     graph.update(values.__dask_graph__())
     return TaskRef(values.key)
 

@@ -173,6 +173,9 @@ def test_what_cannot_be_measured_in_blocks_is_refused(labels, tmp_path):
         surfometry.dask.measure(field, 1)
     with pytest.raises(surfometry.InputError, match="one 3-D image"):
         surfometry.dask.measure(dask.array.zeros((2, 8, 8, 8), chunks=8), 1)
+    masked = dask.array.ma.masked_equal(dask.array.from_array(labels, chunks=64), labels.max())
+    with pytest.raises(surfometry.InputError, match="masked"):
+        surfometry.dask.measure_labels(masked, SPACING)
 
 
 def test_a_cohort_whose_workers_die(client, tmp_path):

@@ -129,7 +129,11 @@ fn shards_that_do_not_belong_together() {
     refused(&with(other(3, &inputs[1..], &[])), &["lists of"]);
     let mut changed = inputs.clone();
     changed.rotate_left(1);
-    refused(&with(other(3, &changed, &[])), &["is in", "list of inputs changed"]);
+    refused(&with(other(3, &changed, &[])), &["different runs", "list of inputs changed"]);
+    // As many, of which one is another: it is in no other shard.
+    let mut changed = inputs.clone();
+    changed[0] = "phantom:ball?radius=4".to_owned();
+    refused(&with(other(3, &changed, &[])), &["different runs", "list of inputs changed"]);
     // What a killed run leaves.
     let whole = fs::read_to_string(folder.join(&names[2])).unwrap();
     let lines: Vec<&str> = whole.lines().collect();

@@ -12,6 +12,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod digest;
 mod encoding;
 mod error;
 mod growing_file;
@@ -28,6 +29,7 @@ mod timed_file;
 mod voxel_stream;
 mod whole_file;
 
+pub(crate) use digest::sha256_text;
 pub use error::ReadError;
 pub use growing_file::{GrowingFile, ResultOutput};
 pub use header::{Format, ImageHeader};

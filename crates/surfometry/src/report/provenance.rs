@@ -1,6 +1,6 @@
 //! Where a report comes from.
 
-use crate::io::ReadError;
+use crate::io::{ReadError, sha256_text};
 use serde::Serialize;
 use sha2::{Digest, Sha256};
 use std::fs::File;
@@ -64,9 +64,8 @@ impl HashedFile {
     fn of(path: &Path) -> io::Result<Self> {
         let mut hash = Sha256::new();
         let bytes = io::copy(&mut File::open(path)?, &mut HashWriter(&mut hash))?;
-        let digits: Vec<String> = hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect();
         let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        Ok(Self { name, sha256: digits.concat(), bytes })
+        Ok(Self { name, sha256: sha256_text(hash), bytes })
     }
 }
 

@@ -6,8 +6,9 @@ use super::reading::FileStamps;
 use super::settings::Settings;
 use super::{Batch, Failure, Item, Outcome, Plan, Record, Shard, Sink, Task};
 use crate::inputs::{OpenOptions, open};
-use crate::io::GrowingFile;
+use crate::io::{GrowingFile, sha256_text};
 use serde::{Deserialize, Serialize};
+use sha2::{Digest, Sha256};
 use std::collections::{BTreeSet, HashMap};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -28,6 +29,8 @@ pub struct RunHead {
     pub(super) settings: Settings,
     /// How many inputs all shards have.
     pub(super) all_inputs: usize,
+    /// SHA-256 of their names in their order: whether shards were cut out of one list is seen in no other way.
+    pub(super) list: String,
     /// Its own inputs, in order.
     pub(super) inputs: Vec<String>,
 }
@@ -145,6 +148,7 @@ impl RunHead {
             shard,
             settings: Settings::of(plan),
             all_inputs: all.len(),
+            list: digest(all),
             inputs: shard.inputs(all),
         })
     }
@@ -167,6 +171,11 @@ impl RunHead {
             None => Ok(()),
         }
     }
+}
+
+/// Of names that hold no NUL.
+fn digest(names: &[String]) -> String {
+    sha256_text(Sha256::new_with_prefix(names.join("\0")))
 }
 
 /// The lines of a journal: the last head, and the last entry of each input.

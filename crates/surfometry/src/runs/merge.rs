@@ -2,7 +2,6 @@
 
 use super::journal::{JournalError, Lines, RunHead};
 use super::{Outcome, Record, Settings, Sink};
-use std::collections::HashMap;
 use std::fmt::Display;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -36,7 +35,6 @@ impl Shards {
         let head = reference.head.clone();
         others.iter().try_for_each(|other| check_alike((first, &head), other))?;
         check_all_there(&read)?;
-        check_disjoint(&read)?;
         read.iter().try_for_each(|(path, lines)| check_finished(path, lines))?;
         Ok(Self { head, lines: read.into_iter().map(|(_, lines)| lines).collect() })
     }
@@ -75,6 +73,8 @@ fn check_alike((first, head): (&Path, &RunHead), (path, lines): &(&Path, Lines))
         Some(format!("shards {} and {}", head.shard, own.shard))
     } else if own.all_inputs != head.all_inputs {
         Some(format!("lists of {} and {} inputs", head.all_inputs, own.all_inputs))
+    } else if own.list != head.list {
+        Some("the list of inputs changed between them".to_owned())
     } else {
         head.settings.difference(&own.settings)
     };
@@ -110,31 +110,6 @@ fn check_all_there(read: &Read) -> Result<(), JournalError> {
         missing.len(),
         listed(&missing)
     ))
-}
-
-/// A list of inputs that changed between shards shows in inputs that are in two, or in none.
-fn check_disjoint(read: &Read) -> Result<(), JournalError> {
-    let mut holders: HashMap<&str, &Path> = HashMap::new();
-    for (path, lines) in read {
-        let RunHead { shard, inputs, all_inputs, .. } = &lines.head;
-        if inputs.len() != shard.share(*all_inputs) {
-            return unmergeable(format_args!(
-                "{}: {} inputs are not its share of {all_inputs}",
-                path.display(),
-                inputs.len()
-            ));
-        }
-        for input in inputs {
-            if let Some(other) = holders.insert(input, path) {
-                return unmergeable(format_args!(
-                    "{input} is in {} and in {}: the list of inputs changed between the shards; measure all over one list",
-                    other.display(),
-                    path.display()
-                ));
-            }
-        }
-    }
-    Ok(())
 }
 
 fn check_finished(path: &Path, lines: &Lines) -> Result<(), JournalError> {
