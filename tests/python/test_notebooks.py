@@ -8,7 +8,7 @@ PAGES = sorted(FOLDER.glob("*.ipynb"))
 
 
 def test_there_are_notebooks():
-    assert [page.stem for page in PAGES] == ["cohort", "curvature", "first_measurement"]
+    assert [page.stem for page in PAGES] == ["chunks", "cohort", "curvature", "first_measurement"]
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
