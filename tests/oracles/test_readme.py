@@ -4,6 +4,7 @@ import os
 import pathlib
 import re
 import shlex
+import shutil
 import subprocess
 
 import numpy as np
@@ -22,6 +23,9 @@ def folder(tmp_path_factory):
     place = tmp_path_factory.mktemp("readme")
     for name in ("bone", "scan", "scan1", "part"):
         surfometry("phantom", BONE, "-o", place / f"{name}.nii.gz")
+    (place / "scans").mkdir()
+    for number in range(3):
+        shutil.copy(place / "scan.nii.gz", place / "scans" / f"{number}.nii.gz")
     labels = np.zeros((24, 30, 60), np.uint8)
     for number, label in enumerate((20, 21, 22)):
         labels[6:18, 6:22, 4 + 18 * number : 16 + 18 * number] = label
