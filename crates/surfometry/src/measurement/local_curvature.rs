@@ -1,6 +1,6 @@
 //! Local curvature of the original object: which embedding, at which scale.
 
-use super::local_scales::is_noisy;
+use super::local_scales::may_be_noisy;
 use super::scheme::Scheme;
 use super::{Clip, EmbeddingKind, MeasureError, Measurement, Object, Parameters};
 use crate::accuracy::{PILOT_SPACINGS, auto_curvature_sigma, balanced_sigma, rms_spacing};
@@ -100,7 +100,7 @@ impl Measurement {
     ) -> Result<Self, MeasureError> {
         let truncation = self.truncation.unwrap_or(TRUNCATION);
         let whole = mask.filter(|mask| self.clip != Clip::Exclude && !mask.is_empty());
-        match (self.size_of(spacing, prepare)?, whole.filter(|mask| !is_noisy(mask, truncation))) {
+        match (self.size_of(spacing, prepare)?, whole.filter(|mask| !may_be_noisy(mask, truncation))) {
             (Some((radius, _)), Some(_)) => Ok(self.with_local_scales(spacing, radius)),
             (size, _) => Ok(self.corrected(self.scale_of_size(spacing, size, prepare)?)),
         }

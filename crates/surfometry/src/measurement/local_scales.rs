@@ -25,10 +25,10 @@ pub(super) struct AtScale {
     voxels: Arc<CorrectedMask>,
 }
 
-/// Whether a mask has noise that no recovery should follow.
-pub(super) fn is_noisy(mask: &Mask, truncation: f64) -> bool {
+/// Whether a mask has, or may have, noise that no recovery should follow.
+pub(super) fn may_be_noisy(mask: &Mask, truncation: f64) -> bool {
     let sigma = SIGMA_OF_EVIDENCE * mask.grid().spacing().geometric_mean();
-    recovery(sigma, truncation).is_noisy(mask)
+    recovery(sigma, truncation).may_be_noisy(mask)
 }
 
 fn recovery(sigma: f64, truncation: f64) -> Recovery {

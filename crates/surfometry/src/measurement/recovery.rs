@@ -241,13 +241,16 @@ impl Recovered {
         let terraces = left_of_terraces(spacing, sigma);
         let of_pose = self.errors_of_pose(&mesh, [of_area, of_mean], sampled, terraces);
         let [edges_of_area, edges_of_mean] = mesh.errors_of_edges();
-        let of_edges = [libm::hypot(edges_of_area, noise.faces_of_area), edges_of_mean];
         // What was taken for noise is left to the blur, and not missing.
-        let left = if self.summary.noisy { [0.0; 2] } else { lost_still };
-        let [area_error, mean_error] = [0, 1].map(|n| of_all(&[of_pose[n], of_edges[n], left[n]]));
-        // What edges lose of A says nothing of M.
+        let [left_of_area, left_of_mean] = if self.summary.noisy { [0.0; 2] } else { lost_still };
+        let of_lost = [
+            of_all(&[edges_of_area, noise.faces_of_area, left_of_area]),
+            libm::hypot(edges_of_mean, left_of_mean),
+        ];
+        let [area_error, mean_error] = [0, 1].map(|n| libm::hypot(of_pose[n], of_lost[n]));
+        // What edges and detail lose of A says nothing of M.
         let average_error =
-            libm::hypot(of_average([area, mean], of_pose, SHARED), of_average([area, mean], of_edges, 0.0));
+            libm::hypot(of_average([area, mean], of_pose, SHARED), of_average([area, mean], of_lost, 0.0));
         let of = |area, mean, average| SurfaceValues {
             surface_area_mm2: Some(area),
             total_mean_curvature_mm: Some(mean),

@@ -1,6 +1,6 @@
 //! Objects of which the blur loses detail are measured again, in the embedding that gives it back.
 
-use super::{EmbeddingKind, MeasureError, Measured, Measurement, Object, SurfaceValues};
+use super::{Derivatives, EmbeddingKind, MeasureError, Measured, Measurement, Object, SurfaceValues};
 use crate::accuracy::FlagCode;
 use crate::volume::{Mask, Shared};
 
@@ -21,6 +21,8 @@ const LEAST_VOXELS: u64 = 30;
 /// Surface, in faces of voxels, up to which an object is measured again without being asked: some seconds, and half a
 /// gigabyte. Where all of a large network hangs together, corrections take ten times as long as its blur.
 const MOST_FACES: f64 = 524_288.0;
+/// The same where derivatives are not differences of the field but convolved at each vertex, which takes ten times as long.
+const MOST_FACES_CONVOLVED: f64 = 65_536.0;
 
 impl Measurement {
     /// As [`Measurement::run`]; but what the default choices are doubtful of is measured again in the recovering
@@ -61,7 +63,11 @@ impl Measured {
         // Of an object that the blur left nothing of, no more than its voxels are known.
         let unknown = 2.0 * self.voxels.count as f64;
         let faces = self.blurred.surface_area_mm2.map_or(unknown, |area| area / face);
-        let feasible = self.voxels.count >= LEAST_VOXELS && faces <= MOST_FACES;
+        let most = match self.parameters.derivatives {
+            Derivatives::Matched => MOST_FACES,
+            Derivatives::Gaussian | Derivatives::FiniteDifference => MOST_FACES_CONVOLVED,
+        };
+        let feasible = self.voxels.count >= LEAST_VOXELS && faces <= most;
         feasible && self.flags.iter().any(|flag| DOUBTS.contains(&flag.code))
     }
 

@@ -9,7 +9,7 @@ use crate::integrals::{Band, Quadrature, QuadratureRule, SmearedDelta};
 use crate::local_geometry::MatchedWeights;
 use crate::tiling::IndexBox;
 use crate::volume::{Grid, Mask, ProbabilityImage, Spacing};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// The choices for one image, filled in.
 #[derive(Debug, Clone)]
@@ -41,11 +41,6 @@ const LEAST_SIGMA_OF_SLICES: f64 = 0.5;
 static LAST: Mutex<Vec<Setup>> = Mutex::new(Vec::new());
 const MOST_KEPT: usize = 8;
 
-/// Of a list that is whole whatever a thread that held it did.
-fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
-    mutex.lock().unwrap_or_else(PoisonError::into_inner)
-}
-
 impl Setup {
     /// For objects that are masks.
     pub(super) fn of_masks(measurement: &Measurement, grid: Grid) -> Result<Self, MeasureError> {
@@ -76,12 +71,13 @@ impl Setup {
     /// and would take longer than measuring a small one.
     fn new(measurement: &Measurement, grid: Grid) -> Result<Self, MeasureError> {
         let is_same = |made: &Self| made.measurement == *measurement && made.grid.spacing() == grid.spacing();
-        let known = lock(&LAST).iter().find(|made| is_same(made)).cloned();
+        let last = || LAST.lock().unwrap_or_else(PoisonError::into_inner);
+        let known = last().iter().find(|made| is_same(made)).cloned();
         if let Some(made) = known {
             return Ok(Self { grid, ..made });
         }
         let made = Self::make(measurement, grid)?;
-        let mut last = lock(&LAST);
+        let mut last = last();
         last.truncate(MOST_KEPT - 1);
         last.insert(0, made.clone());
         Ok(made)

@@ -9,7 +9,7 @@ use crate::volume::{Grid, Mask, ones};
 use rayon::prelude::*;
 use std::sync::Arc;
 
-/// Voxels of the image with a neighbour on the other side by faces, and phi at each: 21 bytes a voxel.
+/// Voxels of the image with a neighbour on the other side by faces, and phi at each: 17 bytes a voxel.
 ///
 /// Voxels beyond the image are nobody's: nothing is asked of them, and nothing there is corrected.
 #[derive(Debug)]

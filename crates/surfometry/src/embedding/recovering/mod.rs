@@ -196,9 +196,11 @@ impl Recovery {
         found
     }
 
-    /// Whether a mask looks noisy at this sigma: as [`Corrections::noisy`], without solving for any.
-    pub(crate) fn is_noisy(&self, mask: impl Shared<Mask>) -> bool {
-        self.begun(&mask.shared()).evidence.noisy
+    /// Whether a mask looks noisy at this sigma: as [`Corrections::noisy`], without solving for any; or may, because so much
+    /// of it is violated that it is not weighed.
+    pub(crate) fn may_be_noisy(&self, mask: impl Shared<Mask>) -> bool {
+        let Begun { boundary, evidence, .. } = self.begun(&mask.shared());
+        evidence.noisy || boundary.wrong().count() > MOST_WEIGHED
     }
 
     /// The corrections of a mask. The same bits whatever the number of threads.

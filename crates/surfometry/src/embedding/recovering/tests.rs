@@ -178,6 +178,24 @@ fn noise_is_not_recovered() {
     }
 }
 
+/// Of white noise hundreds of thousands of voxels are violated: nothing of it is corrected, all is counted, and no finer scale
+/// is tried on it.
+#[test]
+fn too_much_noise_is_not_weighed() {
+    let grid = Grid::axis_aligned([90; 3], [1.0; 3]).unwrap();
+    let chance = |n: usize| {
+        (n as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15).rotate_left(23).wrapping_mul(0xbf58_476d_1ce4_e5b9)
+            >> 63
+    };
+    let noise = Mask::from_predicate(grid, |[x, y, z]| chance((z * 90 + y) * 90 + x) == 1);
+    let recovery = recovery(2.0, Price::FromEvidence);
+    let found = recovery.corrections(&noise);
+    assert!(found.violated as usize > MOST_WEIGHED && found.amounts.is_empty(), "{found:?}");
+    assert_eq!((found.refused, found.left), (found.violated, found.violated));
+    assert!(recovery.may_be_noisy(&noise));
+    assert!(!recovery.may_be_noisy(mask_of([1.0; 3], 19.0, ellipsoid)));
+}
+
 /// A margin moves the surface outward where a thin part was lost, and no further than asked.
 #[test]
 fn a_margin_moves_the_surface() {
