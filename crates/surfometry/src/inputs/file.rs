@@ -5,6 +5,7 @@ use super::{HeaderFacts, InputError, OpenOptions, Slabs, Source};
 use crate::accuracy::{Flag, FlagCode};
 use crate::io::{ImageHeader, VoxelStream, read_header};
 use crate::volume::Grid;
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -46,15 +47,19 @@ impl Source for FileSource {
     }
 
     fn files(&self) -> Vec<PathBuf> {
-        let data = &self.header.data.path;
+        let data = self.header.data.files();
         // The same file under another name counts once.
         let mut files: Vec<PathBuf> = Vec::new();
-        for file in [&self.path, &self.header.path, data] {
+        for file in [&self.path, &self.header.path].into_iter().chain(&data) {
             if files.iter().all(|known| known.canonicalize().ok() != file.canonicalize().ok()) {
                 files.push(file.clone());
             }
         }
         files
+    }
+
+    fn label_names(&self) -> BTreeMap<i64, String> {
+        self.header.labels.names()
     }
 
     fn flags(&self) -> Vec<Flag> {

@@ -38,7 +38,7 @@ pub enum ReadError {
     },
     /// Several volumes or channels in one file.
     #[error(
-        "{count} volumes in one file ({dimensions:?}): surfometry measures one 3-D image at a time; split the file, for instance with nibabel or `fslsplit`"
+        "{count} volumes or channels in one file ({dimensions:?}): surfometry measures one 3-D image at a time; save each as a file of its own"
     )]
     SeveralVolumes {
         /// Dimensions as stored.
@@ -46,6 +46,29 @@ pub enum ReadError {
         /// How many.
         count: usize,
     },
+    /// A first axis of one sample in front of three of space, which takes the first of their spacings.
+    #[error(
+        "the axes are {dimensions:?}: the first one, of a single sample, is a channel and not x, so the spacings that the header names belong to \
+         other axes; save the image as {three:?} voxels with their spacing",
+        three = &dimensions[1..]
+    )]
+    ChannelFirst {
+        /// Dimensions as stored.
+        dimensions: Vec<usize>,
+    },
+    /// The content is of another kind than the name says.
+    #[error("this is {content}, not {expected}, whatever its name; export or fetch the image itself")]
+    Foreign {
+        /// What it is.
+        content: &'static str,
+        /// What the name says.
+        expected: &'static str,
+    },
+    /// Compressed voxels in a file that is compressed as a whole.
+    #[error(
+        "the voxels are compressed, and the file around them again: unpack the file first, with `gunzip` or `bunzip2`"
+    )]
+    PackedTwice,
     /// The voxel type has no single number a voxel.
     #[error(
         "voxels of type {0}: surfometry reads integers of 8 to 64 bits and floats of 32 or 64; convert the image"
@@ -93,7 +116,19 @@ impl ReadError {
         Self::Io { path: path.to_owned(), source }
     }
 
+    /// Out of what a reader of assembled voxels reported, which keeps it whole.
+    pub(crate) fn of_read(source: io::Error) -> Result<Self, io::Error> {
+        source.downcast::<Self>()
+    }
+
     pub(super) fn damaged_mesh(format: &'static str, reason: &impl std::fmt::Display) -> Self {
         Self::Header { format, reason: format!("{reason}; export the mesh again") }
+    }
+}
+
+/// For readers of bytes, whose errors are those of files: [`ReadError::of_read`] takes it out again.
+impl From<ReadError> for io::Error {
+    fn from(error: ReadError) -> Self {
+        Self::other(error)
     }
 }

@@ -1,79 +1,13 @@
 //! What every format's header comes down to.
 
-use super::ReadError;
-use crate::volume::{Affine, Grid, ScalarType, Spacing, VolumeError};
+use super::assembled::Assembled;
+use super::packed::open_file;
+use super::{Format, ReadError};
+use crate::volume::{Affine, Grid, LabelTable, ScalarType, Spacing, VolumeError};
 use std::fs::File;
 use std::io::{Read, Seek};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
-
-/// A supported file format.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Format {
-    /// NIfTI-1 and NIfTI-2: .nii, .nii.gz, .hdr + .img.
-    Nifti,
-    /// MetaImage: .mha, .mhd + raw.
-    MetaImage,
-    /// NRRD: .nrrd, .nhdr + raw.
-    Nrrd,
-    /// NumPy: .npy.
-    Npy,
-}
-
-const SUPPORTED: &str = "supported are NIfTI (.nii, .nii.gz, .hdr/.img), MetaImage (.mha, .mhd), NRRD (.nrrd, .nhdr) and NumPy (.npy)";
-
-impl Format {
-    /// How names of its files end.
-    pub(crate) const ENDINGS: [(Self, &[&str]); 4] = [
-        (Self::Nifti, &[".nii", ".nii.gz", ".hdr", ".hdr.gz", ".img", ".img.gz"]),
-        (Self::MetaImage, &[".mha", ".mhd"]),
-        (Self::Nrrd, &[".nrrd", ".nhdr"]),
-        (Self::Npy, &[".npy"]),
-    ];
-
-    /// The format of a file, by its name.
-    ///
-    /// # Errors
-    /// [`ReadError`] for a folder, a missing or empty file, or an unknown ending.
-    pub fn detect(path: &Path) -> Result<Self, ReadError> {
-        let pattern = path.to_string_lossy().contains(['*', '?', '[']);
-        let metadata = path.metadata().map_err(|e| match e.kind() {
-            std::io::ErrorKind::NotFound if pattern => {
-                ReadError::UnknownFormat("no file matches this pattern".into())
-            }
-            _ => ReadError::io(path, e),
-        })?;
-        if metadata.is_dir() {
-            let message = format!("a folder: DICOM series and OME-Zarr are not read yet; {SUPPORTED}");
-            return Err(ReadError::UnknownFormat(message));
-        }
-        if !metadata.is_file() {
-            return Err(ReadError::UnknownFormat(
-                "a device or pipe, not a file; copy its contents to a file first".into(),
-            ));
-        }
-        if metadata.len() == 0 {
-            return Err(ReadError::UnknownFormat(
-                "the file is empty (0 bytes); copy or export it again".into(),
-            ));
-        }
-        let name = path.file_name().unwrap_or_default().to_string_lossy().to_lowercase();
-        let known = Self::ENDINGS.iter().find(|(_, list)| list.iter().any(|e| name.ends_with(e)));
-        known.map(|(format, _)| *format).ok_or_else(|| {
-            ReadError::UnknownFormat(format!("the file's ending names no format that is read; {SUPPORTED}"))
-        })
-    }
-
-    /// Name for people.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Nifti => "NIfTI",
-            Self::MetaImage => "MetaImage",
-            Self::Nrrd => "NRRD",
-            Self::Npy => "NumPy",
-        }
-    }
-}
 
 /// Order of the bytes of a number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -101,6 +35,41 @@ pub(crate) enum DataOffset {
     Decoded(u64),
     /// The data are the file's last bytes.
     FromEnd,
+}
+
+/// The voxels of an image, in one piece of a file or as their format puts them together.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) enum Voxels {
+    /// One stretch of bytes in a file, compressed or not.
+    Stored(VoxelData),
+    /// Whatever else: tiles, pages, a file a slice, packed bits.
+    Assembled(Assembled),
+}
+
+impl Voxels {
+    /// The files that hold them.
+    pub(crate) fn files(&self) -> Vec<PathBuf> {
+        match self {
+            Self::Stored(data) => vec![data.path.clone()],
+            Self::Assembled(assembled) => assembled.0.files(),
+        }
+    }
+
+    /// Byte order of what is read.
+    pub(crate) fn order(&self) -> ByteOrder {
+        match self {
+            Self::Stored(data) => data.order,
+            Self::Assembled(_) => ByteOrder::Little,
+        }
+    }
+
+    /// value = slope * stored + intercept.
+    pub(crate) fn scaling(&self) -> Option<(f64, f64)> {
+        match self {
+            Self::Stored(data) => data.scaling,
+            Self::Assembled(assembled) => assembled.0.scaling(),
+        }
+    }
 }
 
 /// Where and how voxels are stored.
@@ -163,9 +132,13 @@ pub struct ImageHeader {
     pub affine: Option<Affine>,
     /// The spacing as written, where the affine was made from it; it may be impossible.
     pub(crate) stated_spacing: Option<[f64; 3]>,
+    /// The file's unit of length, where it is none that is known; lengths are then as they are written.
+    pub(crate) unknown_unit: Option<String>,
     /// A second spacing that the file names and that is not the affine's, mm.
     pub other_spacing: Option<[f64; 3]>,
-    pub(crate) data: VoxelData,
+    /// Names and colours of labels, where the file has any.
+    pub labels: LabelTable,
+    pub(crate) data: Voxels,
 }
 
 impl ImageHeader {
@@ -175,6 +148,9 @@ impl ImageHeader {
     /// [`VolumeError`] for a missing or impossible spacing, a sheared affine or an impossible size.
     pub fn grid(&self, spacing: Option<[f64; 3]>) -> Result<Grid, VolumeError> {
         if self.affine.is_some() && spacing.is_none() {
+            if let Some(unit) = self.unknown_unit.clone() {
+                return Err(VolumeError::UnknownUnit { unit });
+            }
             self.stated_spacing.map(Spacing::new).transpose()?;
         }
         Grid::of_known(self.dimensions, self.affine, spacing)
@@ -190,8 +166,9 @@ impl ImageHeader {
     /// Bytes of the data file behind the last voxel of raw data; none where the voxels are said to end the
     /// file, or cannot be found.
     pub(crate) fn raw_surplus(&self) -> u64 {
-        let size = self.data.path.metadata().map_or(0, |metadata| metadata.len());
-        match (self.data.encoding, self.data.offset) {
+        let Voxels::Stored(data) = &self.data else { return 0 };
+        let size = data.path.metadata().map_or(0, |metadata| metadata.len());
+        match (data.encoding, data.offset) {
             (Encoding::Raw, DataOffset::Stored(start)) => {
                 size.saturating_sub(start).saturating_sub(self.voxel_bytes())
             }
@@ -221,28 +198,11 @@ pub(crate) fn refuse_several<'a>(
 ) -> Result<(), ReadError> {
     match other_axes.fold(1usize, |product, &n| product.saturating_mul(n)) {
         0 | 1 => Ok(()),
+        _ if stored.len() == 4 && stored[0] == 1 => {
+            Err(ReadError::ChannelFirst { dimensions: stored.to_vec() })
+        }
         count => Err(ReadError::SeveralVolumes { dimensions: stored.to_vec(), count }),
     }
-}
-
-/// Opens a file, and says how many bytes it has. A pipe, a device or a folder is refused before it is
-/// touched: opening a pipe waits for who writes to it.
-pub(crate) fn open_file(path: &Path) -> Result<(File, u64), ReadError> {
-    let failed = |e| ReadError::io(path, e);
-    let metadata = path.metadata().map_err(failed)?;
-    if !metadata.is_file() {
-        let kind = if metadata.is_dir() { "a folder" } else { "a device or pipe" };
-        return Err(ReadError::NotAFile { path: path.to_owned(), kind });
-    }
-    Ok((File::open(path).map_err(failed)?, metadata.len()))
-}
-
-/// Reads the start of a file, at most `limit` bytes.
-pub(crate) fn read_start(path: &Path, limit: u64) -> Result<Vec<u8>, ReadError> {
-    let mut bytes = Vec::new();
-    let (file, _) = open_file(path)?;
-    file.take(limit).read_to_end(&mut bytes).map_err(|e| ReadError::io(path, e))?;
-    Ok(bytes)
 }
 
 #[cfg(test)]

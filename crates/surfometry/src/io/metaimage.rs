@@ -3,12 +3,13 @@
 //! # References
 //! <https://itk.org/Wiki/ITK/MetaIO/Documentation>. World coordinates are LPS.
 
-use super::ReadError;
 use super::header::{
-    ByteOrder, DataOffset, Encoding, Format, ImageHeader, OpenedFile, VoxelData, three_dimensions,
+    ByteOrder, DataOffset, Encoding, ImageHeader, OpenedFile, VoxelData, Voxels, three_dimensions,
 };
+use super::packed::Packed;
 use super::text_header::{Lines, beside, mm_per, numbers};
-use crate::volume::{Affine, ScalarType};
+use super::{Format, ReadError};
+use crate::volume::{Affine, LabelTable, ScalarType};
 use std::collections::HashMap;
 use std::path::Path;
 
@@ -35,7 +36,8 @@ pub(super) fn read_header(path: &Path) -> Result<ImageHeader, ReadError> {
     let dimensions = three_dimensions(&axes)?;
     let scalar = scalar(keys.text("ElementType").unwrap_or("none"))?;
     let affine = affine(&keys, axes.len())?;
-    let data = data(path, &keys, lines.position())?;
+    let position = lines.position();
+    let data = Voxels::Stored(data(path, &keys, position, lines.into_file())?);
     let stated_spacing = spacing(&keys)?;
     Ok(ImageHeader {
         path: path.to_owned(),
@@ -44,7 +46,9 @@ pub(super) fn read_header(path: &Path) -> Result<ImageHeader, ReadError> {
         scalar,
         affine,
         stated_spacing,
+        unknown_unit: unit(&keys).err(),
         other_spacing: None,
+        labels: LabelTable::default(),
         data,
     })
 }
@@ -109,12 +113,10 @@ fn scalar(name: &str) -> Result<ScalarType, ReadError> {
     })
 }
 
-/// mm in the header's unit of length; mm where none is named.
-fn unit(keys: &Keys) -> Result<f64, ReadError> {
+/// mm in the header's unit of length, or its name where it is not known; mm where none is named.
+fn unit(keys: &Keys) -> Result<f64, String> {
     let name = keys.text("DistanceUnits").unwrap_or("mm");
-    mm_per(name).ok_or_else(|| {
-        error(format!("DistanceUnits = {name} is not known; take the line out, or say what the spacing is"))
-    })
+    mm_per(name).ok_or_else(|| name.to_owned())
 }
 
 fn spacing(keys: &Keys) -> Result<Option<[f64; 3]>, ReadError> {
@@ -142,10 +144,10 @@ fn affine(keys: &Keys, axes: usize) -> Result<Option<Affine>, ReadError> {
     }
     let directions = std::array::from_fn(|a| std::array::from_fn(|w| matrix[a * axes + w]));
     let affine = Affine::from_directions(directions, spacing, [origin[0], origin[1], origin[2]]);
-    Ok(Some(affine.with_lps_swapped().scaled(unit(keys)?)))
+    Ok(Some(affine.with_lps_swapped().scaled(unit(keys).unwrap_or(1.0))))
 }
 
-fn data(path: &Path, keys: &Keys, header_end: u64) -> Result<VoxelData, ReadError> {
+fn data(path: &Path, keys: &Keys, header_end: u64, header: Packed) -> Result<VoxelData, ReadError> {
     let file = keys.text("ElementDataFile").unwrap_or_default();
     if keys.flag("BinaryData")? == Some(false) {
         return Err(error("voxels written as text; save the image with binary data"));
@@ -153,23 +155,17 @@ fn data(path: &Path, keys: &Keys, header_end: u64) -> Result<VoxelData, ReadErro
     if file == "LIST" || file.contains('%') {
         return Err(error("one data file a slice (LIST); save the image as one .mha file"));
     }
-    let local = file.eq_ignore_ascii_case("local");
-    let skip: i64 = keys.one("HeaderSize")?.unwrap_or(0);
-    let offset = match (local, skip) {
-        (true, _) => DataOffset::Stored(header_end),
-        (false, -1) => DataOffset::FromEnd,
-        (false, skip) => {
-            DataOffset::Stored(u64::try_from(skip).map_err(|_| error(format!("HeaderSize = {skip}")))?)
-        }
-    };
     let big = keys.flag("BinaryDataByteOrderMSB")?.or(keys.flag("ElementByteOrderMSB")?) == Some(true);
     let compressed = keys.flag("CompressedData")? == Some(true);
-    Ok(VoxelData {
-        path: if local { path.to_owned() } else { beside(path, file) },
-        opened: OpenedFile::default(),
-        encoding: if compressed { Encoding::Zlib } else { Encoding::Raw },
-        offset,
-        order: if big { ByteOrder::Big } else { ByteOrder::Little },
-        scaling: None,
-    })
+    let encoding = if compressed { Encoding::Zlib } else { Encoding::Raw };
+    let order = if big { ByteOrder::Big } else { ByteOrder::Little };
+    if file.eq_ignore_ascii_case("local") {
+        return header.data(header_end, encoding, order);
+    }
+    let offset = match keys.one::<i64>("HeaderSize")?.unwrap_or(0) {
+        -1 => DataOffset::FromEnd,
+        skip => DataOffset::Stored(u64::try_from(skip).map_err(|_| error(format!("HeaderSize = {skip}")))?),
+    };
+    let path = beside(path, file);
+    Ok(VoxelData { path, opened: OpenedFile::default(), encoding, offset, order, scaling: None })
 }

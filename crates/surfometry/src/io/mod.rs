@@ -12,9 +12,12 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod assembled;
 mod digest;
 mod encoding;
 mod error;
+mod foreign;
+mod format;
 mod growing_file;
 mod header;
 mod members;
@@ -24,6 +27,7 @@ mod nifti;
 mod nifti_writer;
 mod npy;
 mod nrrd;
+mod packed;
 mod text_header;
 mod timed_file;
 mod voxel_stream;
@@ -31,8 +35,10 @@ mod whole_file;
 
 pub(crate) use digest::sha256_text;
 pub use error::ReadError;
+pub use format::Format;
+pub(crate) use format::PACKED;
 pub use growing_file::{GrowingFile, ResultOutput};
-pub use header::{Format, ImageHeader};
+pub use header::ImageHeader;
 pub use mesh::{MeshDocument, MeshFormat, is_mesh, mesh_paths, read_mesh, write_mesh};
 pub use nifti_writer::{write_labels, write_voxel_map};
 pub use voxel_stream::VoxelStream;
@@ -78,10 +84,18 @@ pub fn read_field(path: impl AsRef<Path>, options: ReadOptions) -> Result<FieldI
 /// As [`read_labels`].
 pub fn read_header(path: impl AsRef<Path>) -> Result<ImageHeader, ReadError> {
     let path = path.as_ref();
-    match Format::detect(path)? {
+    let format = Format::detect(path)?;
+    let header = match format {
         Format::Nifti => nifti::read_header(path),
         Format::MetaImage => metaimage::read_header(path),
         Format::Nrrd => nrrd::read_header(path),
         Format::Npy => npy::read_header(path),
-    }
+    };
+    // Who cannot read it may say what it is instead.
+    header.map_err(|error| match foreign::content(path) {
+        Some(content) if !format.is_called(content) => {
+            ReadError::Foreign { content, expected: format.name() }
+        }
+        _ => error,
+    })
 }

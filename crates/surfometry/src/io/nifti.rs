@@ -6,14 +6,11 @@
 //! # References
 //! nifti1.h and nifti2.h, <https://nifti.nimh.nih.gov>.
 
-use super::ReadError;
-use super::header::{
-    ByteOrder, DataOffset, Encoding, Format, ImageHeader, OpenedFile, VoxelData, open_file, three_dimensions,
-};
-use crate::volume::{Affine, ScalarType};
-use flate2::read::{GzDecoder, MultiGzDecoder};
-use std::fs::File;
-use std::io::{Read, Seek};
+use super::header::{ByteOrder, Encoding, ImageHeader, VoxelData, Voxels, three_dimensions};
+use super::packed::Packed;
+use super::{Format, ReadError};
+use crate::volume::{Affine, LabelTable, ScalarType};
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
 const SIZE_1: i32 = 348;
@@ -32,23 +29,28 @@ fn error(reason: impl Into<String>) -> ReadError {
 /// Reads the header of a .nii, .nii.gz, .hdr or .img file.
 pub(super) fn read_header(path: &Path) -> Result<ImageHeader, ReadError> {
     let (header_path, data_path) = parts(path);
-    let (file, gzipped) = opened(&header_path)?;
-    let bytes = header_bytes(&file, gzipped)?;
+    let file = Packed::open(&header_path)?;
+    let bytes = header_bytes(&file)?;
     let fields = Fields::parse(&bytes)?;
     let dimensions = three_dimensions(&fields.dimensions)?;
     let affine = fields.affine();
-    let single = fields.single_file;
-    let offset = if single { fields.vox_offset.max(fields.header_size + 4) } else { fields.vox_offset };
-    // Of a pair, header and image may be compressed apart.
-    let (data_path, (data_file, data_gzipped)) = if single {
-        (header_path.clone(), (file, gzipped))
+    // Of a pair, whose two names tell it whatever the magic says, header and image may be compressed apart.
+    let single = header_path == data_path || fields.single_file && !data_path.is_file();
+    let data_file = if single {
+        file
     } else {
-        if gzipped {
+        if file.is_packed() {
             compare_checksum(file)?;
         }
-        let data = opened(&data_path)?;
-        (data_path, data)
+        Packed::open(&data_path)?
     };
+    let offset = match (single, fields.single_file) {
+        (true, _) => fields.vox_offset.max(fields.header_size + 4),
+        // That of a file which it is not.
+        (false, true) => 0,
+        (false, false) => fields.vox_offset,
+    };
+    let data = data_file.data(offset, Encoding::Raw, fields.order)?;
     Ok(ImageHeader {
         path: header_path,
         format: Format::Nifti,
@@ -56,15 +58,10 @@ pub(super) fn read_header(path: &Path) -> Result<ImageHeader, ReadError> {
         scalar: fields.scalar()?,
         affine,
         stated_spacing: (!fields.has_sform()).then(|| fields.spacing()),
+        unknown_unit: None,
         other_spacing: fields.conflicting_spacing(affine.as_ref()),
-        data: VoxelData {
-            path: data_path,
-            opened: OpenedFile::keep(data_file),
-            encoding: if data_gzipped { Encoding::Gzip } else { Encoding::Raw },
-            offset: if data_gzipped { DataOffset::Decoded(offset) } else { DataOffset::Stored(offset) },
-            order: fields.order,
-            scaling: fields.scaling(),
-        },
+        labels: LabelTable::default(),
+        data: Voxels::Stored(VoxelData { scaling: fields.scaling(), ..data }),
     })
 }
 
@@ -88,21 +85,10 @@ fn parts(path: &Path) -> (PathBuf, PathBuf) {
     }
 }
 
-/// A file, at its beginning, and whether it is compressed.
-fn opened(path: &Path) -> Result<(File, bool), ReadError> {
-    let (mut file, _) = open_file(path)?;
-    let mut magic = Vec::new();
-    let read = (&file).take(2).read_to_end(&mut magic).and_then(|_| file.rewind());
-    read.map_err(|e| ReadError::io(path, e))?;
-    Ok((file, magic == [0x1f, 0x8b]))
-}
-
-fn header_bytes(file: &File, gzipped: bool) -> Result<Vec<u8>, ReadError> {
-    let reader: Box<dyn Read> = if gzipped { Box::new(MultiGzDecoder::new(file)) } else { Box::new(file) };
-    let mut bytes = Vec::new();
-    let outcome = reader.take(SIZE_2 as u64).read_to_end(&mut bytes);
+fn header_bytes(file: &Packed) -> Result<Vec<u8>, ReadError> {
+    let (bytes, damage) = file.start(SIZE_2 as u64)?;
     if bytes.len() < SIZE_1 as usize {
-        let cause = outcome.err().map_or_else(String::new, |e| format!(" ({e})"));
+        let cause = damage.map_or_else(String::new, |e| format!(" ({e})"));
         return Err(error(format!(
             "the file ends after {} bytes{cause}; copy or export it again",
             bytes.len()
@@ -112,10 +98,8 @@ fn header_bytes(file: &File, gzipped: bool) -> Result<Vec<u8>, ReadError> {
 }
 
 /// Reads a compressed header to its end: that of a pair is not compared when the voxels are.
-fn compare_checksum(mut file: File) -> Result<(), ReadError> {
-    let rewound = file.rewind();
-    rewound
-        .and_then(|()| std::io::copy(&mut GzDecoder::new(file).take(LONGEST_HEADER), &mut std::io::sink()))
+fn compare_checksum(file: Packed) -> Result<(), ReadError> {
+    std::io::copy(&mut file.into_reader().take(LONGEST_HEADER), &mut std::io::sink())
         .map(drop)
         .map_err(|e| error(format!("{e}; copy or export the file again")))
 }
@@ -253,7 +237,7 @@ impl Fields {
             768 => ScalarType::U32,
             1024 => ScalarType::I64,
             1280 => ScalarType::U64,
-            other => return Err(ReadError::VoxelType(format!("NIfTI datatype {other}"))),
+            other => return Err(ReadError::VoxelType(other_type(other))),
         })
     }
 
@@ -322,6 +306,22 @@ impl Fields {
         let differs = (0..3).any(|a| (pixdim[a].abs() - used[a]).abs() > CONFLICT * used[a]);
         (self.has_sform() && differs).then_some(pixdim)
     }
+}
+
+/// Name of a type that is not read (nifti1.h).
+fn other_type(code: i16) -> String {
+    let name = match code {
+        0 => "unknown",
+        1 => "binary, one bit a voxel",
+        32 => "complex64",
+        128 => "RGB24, three colours a voxel",
+        1536 => "float128",
+        1792 => "complex128",
+        2048 => "complex256",
+        2304 => "RGBA32, four colours a voxel",
+        _ => return format!("NIfTI datatype {code}"),
+    };
+    format!("{name} (NIfTI datatype {code})")
 }
 
 fn dimensions(count: i64, at: impl Fn(usize) -> i64) -> Result<Vec<usize>, ReadError> {

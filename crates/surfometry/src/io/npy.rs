@@ -2,14 +2,16 @@
 //!
 //! The header is read by `npyz`; voxels are decoded in bulk here, since that crate does it one by one.
 
-use super::ReadError;
-use super::header::{
-    ByteOrder, DataOffset, Encoding, Format, ImageHeader, OpenedFile, VoxelData, open_file, three_dimensions,
-};
-use crate::volume::ScalarType;
+use super::header::{ByteOrder, Encoding, ImageHeader, Voxels, three_dimensions};
+use super::packed::Packed;
+use super::{Format, ReadError};
+use crate::volume::{LabelTable, ScalarType};
 use npyz::{DType, Endianness, NpyHeader, Order, TypeChar};
-use std::io::{BufReader, Seek};
+use std::io::Cursor;
 use std::path::Path;
+
+/// Longer than any header (2^16 bytes in version 1); bounds what is read of a file that is none.
+const LONGEST: u64 = 1 << 20;
 
 fn error(reason: impl Into<String>) -> ReadError {
     ReadError::Header { format: "NumPy", reason: reason.into() }
@@ -17,33 +19,29 @@ fn error(reason: impl Into<String>) -> ReadError {
 
 /// Reads the header of a .npy file: in C order the last axis is x, in Fortran order the first.
 pub(super) fn read_header(path: &Path) -> Result<ImageHeader, ReadError> {
-    let (file, _) = open_file(path)?;
-    let mut reader = BufReader::new(file);
-    let header = NpyHeader::from_reader(&mut reader)
+    let file = Packed::open(path)?;
+    let mut start = Cursor::new(file.start(LONGEST)?.0);
+    let header = NpyHeader::from_reader(&mut start)
         .map_err(|e| error(format!("{e}; save the array again with numpy.save")))?;
-    let offset = reader.stream_position().map_err(|e| ReadError::io(path, e))?;
     let mut shape = header.shape().iter().map(|&n| n as usize).collect::<Vec<_>>();
-    // Axes of one element in front, as of a batch or channel, are dropped.
     if header.order() == Order::C {
         shape.reverse();
     }
+    // Axes of one element, as of a batch or channel, are dropped on either side of three.
+    let single = shape.iter().take_while(|n| **n == 1).count();
+    let shape = &shape[single.min(shape.len().saturating_sub(3))..];
     let (scalar, order) = voxel_type(&header.dtype())?;
     Ok(ImageHeader {
         path: path.to_owned(),
         format: Format::Npy,
-        dimensions: three_dimensions(&shape)?,
+        dimensions: three_dimensions(shape)?,
         scalar,
         affine: None,
         stated_spacing: None,
+        unknown_unit: None,
         other_spacing: None,
-        data: VoxelData {
-            path: path.to_owned(),
-            opened: OpenedFile::default(),
-            encoding: Encoding::Raw,
-            offset: DataOffset::Stored(offset),
-            order,
-            scaling: None,
-        },
+        labels: LabelTable::default(),
+        data: Voxels::Stored(file.data(start.position(), Encoding::Raw, order)?),
     })
 }
 

@@ -3,13 +3,14 @@
 //! # References
 //! <https://teem.sourceforge.net/nrrd/format.html>.
 
-use super::ReadError;
 use super::header::{
-    ByteOrder, DataOffset, Encoding, Format, ImageHeader, OpenedFile, VoxelData, refuse_several,
+    ByteOrder, DataOffset, Encoding, ImageHeader, OpenedFile, VoxelData, Voxels, refuse_several,
     three_dimensions,
 };
+use super::packed::Packed;
 use super::text_header::{Lines, beside, mm_per, numbers};
-use crate::volume::{Affine, ScalarType};
+use super::{Format, ReadError};
+use crate::volume::{Affine, LabelTable, ScalarType};
 use std::collections::HashMap;
 use std::path::Path;
 
@@ -36,7 +37,9 @@ pub(super) fn read_header(path: &Path) -> Result<ImageHeader, ReadError> {
     let axes = spatial_axes(&fields, &sizes)?;
     let dimensions = three_dimensions(&axes.iter().map(|&a| sizes[a]).collect::<Vec<_>>())?;
     let Geometry { affine, stated_spacing } = geometry(&fields, &axes)?;
-    let data = data(path, &fields, scalar, lines.position())?;
+    let unknown_unit = unit(&fields)?.err();
+    let position = lines.position();
+    let data = Voxels::Stored(data(path, &fields, scalar, position, lines.into_file())?);
     Ok(ImageHeader {
         path: path.to_owned(),
         format: Format::Nrrd,
@@ -44,7 +47,9 @@ pub(super) fn read_header(path: &Path) -> Result<ImageHeader, ReadError> {
         scalar,
         affine,
         stated_spacing,
+        unknown_unit,
         other_spacing: None,
+        labels: LabelTable::default(),
         data,
     })
 }
@@ -149,11 +154,13 @@ struct Geometry {
 }
 
 fn geometry(fields: &Fields, axes: &[usize]) -> Result<Geometry, ReadError> {
-    let unit = unit(fields)?;
+    let unit = unit(fields)?.unwrap_or(1.0);
     if let Some(text) = fields.get(&["space directions"]) {
         let columns: Vec<Vec<f64>> = directions_of(text).into_iter().flatten().collect();
         let origin = fields.get(&["space origin"]).map_or_else(|| vec![0.0; 3], vector_of);
-        if columns.len() < 3 || columns[..3].iter().any(|c| c.len() != 3) || origin.len() != 3 {
+        // A space of four dimensions, as of ITK's images of one time point, has three in front.
+        let in_space = |vector: &Vec<f64>| vector.len() >= 3 && vector[3..].iter().all(|v| *v == 0.0);
+        if columns.len() < 3 || !columns[..3].iter().all(in_space) || origin.len() < 3 {
             return Err(error("`space directions` and `space origin` must be vectors of three numbers"));
         }
         let linear = std::array::from_fn(|w| std::array::from_fn(|a| columns[a][w]));
@@ -173,7 +180,7 @@ fn geometry(fields: &Fields, axes: &[usize]) -> Result<Geometry, ReadError> {
 }
 
 fn to_ras(affine: Affine, space: &str) -> Result<Affine, ReadError> {
-    match space.to_lowercase().as_str() {
+    match space.to_lowercase().trim_end_matches("-time") {
         "left-posterior-superior" | "lps" => Ok(affine.with_lps_swapped()),
         "left-anterior-superior" | "las" | "3d-left-handed" => Ok(mirrored_x(affine)),
         "right-anterior-superior" | "ras" | "scanner-xyz" | "3d-right-handed" | "" => Ok(affine),
@@ -187,9 +194,10 @@ fn mirrored_x(mut affine: Affine) -> Affine {
     affine
 }
 
-/// mm in the header's unit of length; mm where none is named. All axes must have the same.
-fn unit(fields: &Fields) -> Result<f64, ReadError> {
-    let Some(text) = fields.get(&["space units", "units"]) else { return Ok(1.0) };
+/// mm in the header's unit of length, or its name where it is not known; mm where none is named. All axes must have
+/// the same.
+fn unit(fields: &Fields) -> Result<Result<f64, String>, ReadError> {
+    let Some(text) = fields.get(&["space units", "units"]) else { return Ok(Ok(1.0)) };
     // Names in quotes, one an axis; an axis that is no space has an empty one.
     let mut names = text.split('"').map(str::trim).filter(|t| !t.is_empty());
     let first = names.next().unwrap_or("mm");
@@ -198,46 +206,69 @@ fn unit(fields: &Fields) -> Result<f64, ReadError> {
             "axes of different units ({text}); give the spacing in mm in a header without units"
         )));
     }
-    mm_per(first).ok_or_else(|| {
-        error(format!("unit `{first}` is not known; give the spacing in mm in a header without units"))
-    })
+    Ok(mm_per(first).ok_or_else(|| first.to_owned()))
 }
 
-fn data(path: &Path, fields: &Fields, scalar: ScalarType, header_end: u64) -> Result<VoxelData, ReadError> {
-    let encoding = match fields.required("encoding")?.to_lowercase().as_str() {
+/// Where the voxels are: behind the header in the file itself, or in a data file.
+fn data(
+    path: &Path,
+    fields: &Fields,
+    scalar: ScalarType,
+    header_end: u64,
+    file: Packed,
+) -> Result<VoxelData, ReadError> {
+    let (encoding, skip, order) = (encoding(fields)?, skip(fields)?, byte_order(fields, scalar)?);
+    let not_read = || error(format!("`byte skip: {skip}` with compressed data is not supported"));
+    let Some(name) = fields.get(&["data file", "datafile"]) else {
+        let data = match (u64::try_from(skip), encoding) {
+            (Ok(skip), Encoding::Raw) => file.data(header_end.saturating_add(skip), encoding, order)?,
+            (Ok(0), _) => file.data(header_end, encoding, order)?,
+            (Err(_), Encoding::Raw) if !file.is_packed() => {
+                VoxelData { offset: DataOffset::FromEnd, ..file.data(0, encoding, order)? }
+            }
+            _ => return Err(not_read()),
+        };
+        return Ok(data);
+    };
+    if name.starts_with("LIST") || name.contains('%') {
+        return Err(error("one data file a slice; save the image as one .nrrd file"));
+    }
+    let offset = match (u64::try_from(skip), encoding) {
+        (Ok(skip), Encoding::Raw) => DataOffset::Stored(skip),
+        (Ok(skip), _) => DataOffset::Decoded(skip),
+        (Err(_), Encoding::Raw) => DataOffset::FromEnd,
+        _ => return Err(not_read()),
+    };
+    let path = beside(path, name);
+    Ok(VoxelData { path, opened: OpenedFile::default(), encoding, offset, order, scaling: None })
+}
+
+fn encoding(fields: &Fields) -> Result<Encoding, ReadError> {
+    Ok(match fields.required("encoding")?.to_lowercase().as_str() {
         "raw" => Encoding::Raw,
         "gzip" | "gz" => Encoding::Gzip,
         "bzip2" | "bz2" => Encoding::Bzip2,
         other => {
-            return Err(error(format!(
-                "encoding `{other}` is not read; save the image as raw, gzip or bzip2"
-            )));
+            let cure = "save the image as raw, gzip or bzip2";
+            return Err(error(format!("encoding `{other}` is not read; {cure}")));
         }
-    };
+    })
+}
+
+/// Bytes to skip in front of the voxels; -1 for voxels that end the file.
+fn skip(fields: &Fields) -> Result<i64, ReadError> {
     if fields.get(&["line skip", "lineskip"]).is_some_and(|v| v != "0") {
         return Err(error("`line skip` is not supported; save the image without it"));
     }
-    let skip: i64 = match fields.get(&["byte skip", "byteskip"]) {
-        Some(text) => text.parse().map_err(|_| error(format!("`byte skip: {text}` cannot be read")))?,
-        None => 0,
-    };
-    let detached = fields.get(&["data file", "datafile"]);
-    if detached.is_some_and(|name| name.starts_with("LIST") || name.contains('%')) {
-        return Err(error("one data file a slice; save the image as one .nrrd file"));
+    let Some(text) = fields.get(&["byte skip", "byteskip"]) else { return Ok(0) };
+    text.parse().map_err(|_| error(format!("`byte skip: {text}` cannot be read")))
+}
+
+fn byte_order(fields: &Fields, scalar: ScalarType) -> Result<ByteOrder, ReadError> {
+    match fields.get(&["endian"]).map(str::to_lowercase).as_deref() {
+        Some("big") => Ok(ByteOrder::Big),
+        Some("little") => Ok(ByteOrder::Little),
+        None if scalar.bytes() == 1 => Ok(ByteOrder::Little),
+        _ => Err(error("no `endian: little` or `endian: big` for voxels of several bytes")),
     }
-    let start = if detached.is_some() { 0 } else { header_end };
-    let offset = match (u64::try_from(skip), encoding) {
-        (Ok(skip), _) if encoding == Encoding::Raw || skip == 0 => DataOffset::Stored(start + skip),
-        (Ok(skip), _) if start == 0 => DataOffset::Decoded(skip),
-        (Err(_), Encoding::Raw) => DataOffset::FromEnd,
-        _ => return Err(error(format!("`byte skip: {skip}` with compressed data is not supported"))),
-    };
-    let order = match fields.get(&["endian"]).map(str::to_lowercase).as_deref() {
-        Some("big") => ByteOrder::Big,
-        Some("little") => ByteOrder::Little,
-        None if scalar.bytes() == 1 => ByteOrder::Little,
-        _ => return Err(error("no `endian: little` or `endian: big` for voxels of several bytes")),
-    };
-    let path = detached.map_or_else(|| path.to_owned(), |name| beside(path, name));
-    Ok(VoxelData { path, opened: OpenedFile::default(), encoding, offset, order, scaling: None })
 }

@@ -1,7 +1,7 @@
 //! Helpers for formats whose header is text.
 
 use super::ReadError;
-use super::header::read_start;
+use super::packed::Packed;
 use std::path::{Path, PathBuf};
 
 /// Longer than any real header; bounds what is read from a file that is none.
@@ -9,18 +9,26 @@ const LONGEST: u64 = 1 << 20;
 
 /// The start of a file, split into lines that can be walked with byte positions.
 pub(crate) struct Lines {
+    file: Packed,
     bytes: Vec<u8>,
     position: usize,
 }
 
 impl Lines {
     pub(crate) fn of(path: &Path) -> Result<Self, ReadError> {
-        Ok(Self { bytes: read_start(path, LONGEST)?, position: 0 })
+        let file = Packed::open(path)?;
+        let (bytes, _) = file.start(LONGEST)?;
+        Ok(Self { file, bytes, position: 0 })
     }
 
     /// Bytes consumed by the lines so far.
     pub(crate) fn position(&self) -> u64 {
         self.position as u64
+    }
+
+    /// The file, whose lines were read.
+    pub(crate) fn into_file(self) -> Packed {
+        self.file
     }
 }
 
@@ -47,14 +55,17 @@ pub(crate) fn numbers<T: std::str::FromStr>(text: &str) -> Option<Vec<T>> {
     text.split_whitespace().map(|t| t.parse().ok()).collect()
 }
 
-/// mm in a unit of length; `None` for an unknown one.
+/// mm in a unit of length, in whatever case; `None` for an unknown one. No name is mm.
 pub(crate) fn mm_per(unit: &str) -> Option<f64> {
-    match unit {
-        "mm" | "millimeter" | "millimeters" | "millimetre" | "millimetres" | "???" | "?" => Some(1.0),
-        "um" | "µm" | "μm" | "micron" | "microns" | "micrometer" | "micrometers" => Some(1e-3),
-        "nm" | "nanometer" | "nanometers" => Some(1e-6),
-        "cm" | "centimeter" | "centimeters" => Some(10.0),
-        "m" | "meter" | "meters" => Some(1000.0),
+    let name = unit.trim().to_lowercase().replace("metre", "meter");
+    match name.strip_suffix('s').unwrap_or(&name) {
+        "" | "mm" | "millimeter" | "???" | "?" => Some(1.0),
+        "um" | "µm" | "μm" | "micron" | "micrometer" | "\\u00b5m" => Some(1e-3),
+        "nm" | "nanometer" => Some(1e-6),
+        "å" | "angstrom" => Some(1e-7),
+        "cm" | "centimeter" => Some(10.0),
+        "m" | "meter" => Some(1000.0),
+        "in" | "inch" | "inche" => Some(25.4),
         _ => None,
     }
 }

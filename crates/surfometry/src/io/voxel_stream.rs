@@ -1,7 +1,7 @@
 //! A file's voxels as slabs.
 
 use super::encoding;
-use super::header::{ByteOrder, Encoding};
+use super::header::{ByteOrder, Encoding, VoxelData, Voxels};
 use super::{ImageHeader, ReadError, ReadOptions};
 use crate::volume::{Grid, Samples, ScalarType, Slab, SlabReader, VolumeError, collected, slices_a_slab};
 use std::collections::TryReserveError;
@@ -46,7 +46,10 @@ impl VoxelStream {
         surplus: Arc<AtomicU64>,
     ) -> Result<Self, ReadError> {
         let file_nanoseconds = Arc::default();
-        let voxels = encoding::open(&header.data, header.voxel_bytes(), &file_nanoseconds)?;
+        let voxels = match &header.data {
+            Voxels::Stored(data) => encoding::open(data, header.voxel_bytes(), &file_nanoseconds)?,
+            Voxels::Assembled(assembled) => assembled.0.open(&file_nanoseconds)?,
+        };
         Ok(Self { header, grid, voxels, next_slice: 0, buffer: Vec::new(), file_nanoseconds, surplus })
     }
 
@@ -71,7 +74,8 @@ impl VoxelStream {
             Err(e) if e.kind() == io::ErrorKind::UnexpectedEof => {
                 Err(ReadError::Truncated { found, expected })
             }
-            Err(source) => Err(ReadError::Decompression { found, expected, source }),
+            Err(source) => Err(ReadError::of_read(source)
+                .unwrap_or_else(|source| ReadError::Decompression { found, expected, source })),
             Ok(_) if filled < bytes => Err(ReadError::Truncated { found, expected }),
             Ok(_) => Ok(()),
         }
@@ -80,8 +84,8 @@ impl VoxelStream {
     /// What the buffer holds, as numbers.
     fn decode(&mut self) -> Result<Samples, TryReserveError> {
         let data = &self.header.data;
-        let samples = decode(self.header.scalar, data.order, &mut self.buffer)?;
-        match data.scaling {
+        let samples = decode(self.header.scalar, data.order(), &mut self.buffer)?;
+        match data.scaling() {
             Some((slope, intercept)) => samples.scaled(slope, intercept),
             None => Ok(samples),
         }
@@ -91,7 +95,7 @@ impl VoxelStream {
     /// stream longer than it was.
     fn finish(&mut self) -> Result<(), ReadError> {
         let expected = self.header.voxel_bytes();
-        if self.header.data.encoding == Encoding::Raw {
+        if matches!(&self.header.data, Voxels::Stored(VoxelData { encoding: Encoding::Raw, .. })) {
             return Ok(());
         }
         let most = expected.max(MOST_SURPLUS);
@@ -101,7 +105,8 @@ impl VoxelStream {
                 self.surplus.store(surplus, Ordering::Relaxed);
                 Ok(())
             }
-            Err(source) => Err(ReadError::Decompression { found: expected, expected, source }),
+            Err(source) => Err(ReadError::of_read(source)
+                .unwrap_or_else(|source| ReadError::Decompression { found: expected, expected, source })),
         }
     }
 }

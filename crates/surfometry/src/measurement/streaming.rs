@@ -109,7 +109,11 @@ impl Measurement {
                 labels: stream.encoder.labels().len() - 1,
             });
             if ended {
-                stream.encoder.check_complete().map_err(|error| StreamError::Read(error.into()))?;
+                stream
+                    .encoder
+                    .check_complete()
+                    .and_then(|()| stream.encoder.check_foreground())
+                    .map_err(|error| StreamError::Read(error.into()))?;
             }
             stream.advance(ended);
             if ended {

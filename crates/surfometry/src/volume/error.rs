@@ -36,6 +36,14 @@ pub enum VolumeError {
         /// All three, mm.
         spacing: [f64; 3],
     },
+    /// The file's unit of length is not known.
+    #[error(
+        "the file's unit of length is `{unit}`, which is not known: say what the voxel spacing is, in mm, fastest axis first"
+    )]
+    UnknownUnit {
+        /// As written.
+        unit: String,
+    },
     /// The file names no spacing at all.
     #[error("the file holds no voxel spacing: say what it is, in mm, fastest axis first")]
     MissingSpacing,
@@ -180,6 +188,14 @@ pub enum VolumeError {
     /// No voxel differs from the background.
     #[error("no foreground: every voxel is 0; check that this is the segmentation and not an empty export")]
     NoForeground,
+    /// Every voxel rounds to the background.
+    #[error(
+        "no foreground: every voxel rounds to 0, the largest value is {largest:e}; this is no label image: threshold it, or scale it"
+    )]
+    FaintForeground {
+        /// Largest magnitude.
+        largest: f64,
+    },
     /// A field has no voxel below zero.
     #[error(
         "no voxel of the field is negative, so nothing lies inside; surfometry takes phi < 0 as inside: negate the \

@@ -120,6 +120,8 @@ pub(crate) struct RunEncoder {
     code_of: HashMap<i64, usize>,
     summaries: Vec<LabelSummary>,
     voxels: usize,
+    /// Largest magnitude that was rounded to background.
+    faint: f64,
 }
 
 impl RunEncoder {
@@ -130,11 +132,15 @@ impl RunEncoder {
             code_of: HashMap::from([(0, 0)]),
             summaries: vec![LabelSummary::empty(0, 0)],
             voxels: 0,
+            faint: 0.0,
         }
     }
 
     pub(super) fn finish(self, grid: Grid, runs: LabelRuns) -> Result<LabelImage, VolumeError> {
         self.check_complete()?;
+        if self.region == grid.index_box() {
+            self.check_foreground()?;
+        }
         let Self { labels, mut summaries, .. } = self;
         summaries.remove(0);
         summaries.sort_by_key(|s| s.label);
@@ -169,6 +175,15 @@ impl RunEncoder {
         }
     }
 
+    /// Whether an image without labels is one of values that only round to background.
+    pub(crate) fn check_foreground(&self) -> Result<(), VolumeError> {
+        if self.labels.len() == 1 && self.faint > 0.0 {
+            Err(VolumeError::FaintForeground { largest: self.faint })
+        } else {
+            Ok(())
+        }
+    }
+
     /// Slices are encoded in parallel, each with a list of its own labels, and joined in their order.
     fn push_values<T: Scalar>(&mut self, values: &[T], runs: &mut LabelRuns) -> Result<(), VolumeError> {
         let [nx, ny, _] = self.region.extent();
@@ -177,7 +192,8 @@ impl RunEncoder {
         let encode = |(number, slice): (usize, &[T])| dispatch!(Level::new(), _simd => EncodedSlice::of(slice, nx, [x, y, first + number]));
         let encoded: Vec<_> = values.par_chunks(nx * ny).enumerate().map(encode).collect();
         for slice in encoded {
-            let EncodedSlice { runs: mut slice_runs, summaries } = slice?;
+            let EncodedSlice { runs: mut slice_runs, summaries, faint } = slice?;
+            self.faint = self.faint.max(faint);
             let codes: Vec<u32> = summaries.iter().map(|summary| self.add(summary)).collect();
             slice_runs.recode(&codes);
             runs.push(slice_runs);
@@ -205,6 +221,8 @@ impl RunEncoder {
 struct EncodedSlice {
     runs: SliceRuns,
     summaries: Vec<LabelSummary>,
+    /// Largest magnitude that was rounded to background.
+    faint: f64,
 }
 
 impl EncodedSlice {
@@ -212,7 +230,8 @@ impl EncodedSlice {
     /// label is looked up once a run, and not where it is that of a run just before.
     #[inline(always)]
     fn of<T: Scalar>(slice: &[T], nx: usize, [x, y, z]: [usize; 3]) -> Result<Self, VolumeError> {
-        let mut encoded = Self { runs: SliceRuns::default(), summaries: vec![LabelSummary::empty(0, 0)] };
+        let summaries = vec![LabelSummary::empty(0, 0)];
+        let mut encoded = Self { runs: SliceRuns::default(), summaries, faint: 0.0 };
         let mut code_of = HashMap::from([(0, 0)]);
         let mut recent: [Option<(T, usize)>; 2] = [None; 2];
         for (y, row) in (y..).zip(slice.chunks(nx)) {
@@ -226,6 +245,9 @@ impl EncodedSlice {
                 } else {
                     let label =
                         value.to_label().ok_or_else(|| label_error(value.to_f64(), [x + start, y, z]))?;
+                    if label == 0 {
+                        encoded.faint = encoded.faint.max(value.to_f64().abs());
+                    }
                     let next = encoded.summaries.len();
                     let code = *code_of.entry(label).or_insert(next);
                     if code == next {

@@ -1,7 +1,7 @@
 //! Meshes from STL and PLY files; STL by `stl_io`.
 
 use super::super::ReadError;
-use super::super::header::open_file;
+use super::super::packed::open_file;
 use super::{MeshFormat, ply_reader};
 use crate::surface::Mesh;
 use std::io::{BufReader, Read};

@@ -1,0 +1,90 @@
+//! Which format a file has.
+
+use super::ReadError;
+use super::foreign;
+use std::path::Path;
+
+/// A supported file format.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Format {
+    /// NIfTI-1 and NIfTI-2: .nii, .nii.gz, .hdr + .img.
+    Nifti,
+    /// MetaImage: .mha, .mhd + raw.
+    MetaImage,
+    /// NRRD: .nrrd, .nhdr + raw.
+    Nrrd,
+    /// NumPy: .npy.
+    Npy,
+}
+
+const SUPPORTED: &str = "supported are NIfTI (.nii, .nii.gz, .hdr/.img), MetaImage (.mha, .mhd), NRRD (.nrrd, .nhdr) and NumPy (.npy)";
+
+/// Endings of files that are compressed as a whole.
+pub(crate) const PACKED: [&str; 2] = [".gz", ".bz2"];
+
+impl Format {
+    /// How names of its files end.
+    pub(crate) const ENDINGS: [(Self, &[&str]); 4] = [
+        (Self::Nifti, &[".nii", ".nii.gz", ".hdr", ".hdr.gz", ".img", ".img.gz"]),
+        (Self::MetaImage, &[".mha", ".mhd"]),
+        (Self::Nrrd, &[".nrrd", ".nhdr"]),
+        (Self::Npy, &[".npy"]),
+    ];
+
+    /// The format of a file, by its name.
+    ///
+    /// # Errors
+    /// [`ReadError`] for a folder, a missing or empty file, or an unknown ending.
+    pub fn detect(path: &Path) -> Result<Self, ReadError> {
+        let pattern = path.to_string_lossy().contains(['*', '?', '[']);
+        let metadata = path.metadata().map_err(|e| match e.kind() {
+            std::io::ErrorKind::NotFound if pattern => {
+                ReadError::UnknownFormat("no file matches this pattern".into())
+            }
+            _ => ReadError::io(path, e),
+        })?;
+        if metadata.is_dir() {
+            let message = format!("a folder: DICOM series and OME-Zarr are not read yet; {SUPPORTED}");
+            return Err(ReadError::UnknownFormat(message));
+        }
+        if !metadata.is_file() {
+            return Err(ReadError::UnknownFormat(
+                "a device or pipe, not a file; copy its contents to a file first".into(),
+            ));
+        }
+        if metadata.len() == 0 {
+            return Err(ReadError::UnknownFormat(
+                "the file is empty (0 bytes); copy or export it again".into(),
+            ));
+        }
+        Self::of_name(path).ok_or_else(|| {
+            let content = foreign::content(path).map_or_else(String::new, |kind| format!(" (it is {kind})"));
+            ReadError::UnknownFormat(format!(
+                "the file's ending names no format that is read{content}; {SUPPORTED}"
+            ))
+        })
+    }
+
+    /// By the name's ending, in front of that of a file compressed as a whole.
+    fn of_name(path: &Path) -> Option<Self> {
+        let name = path.file_name()?.to_string_lossy().to_lowercase();
+        let of = |name: &str| Self::ENDINGS.iter().find(|(_, list)| list.iter().any(|e| name.ends_with(e)));
+        let unpacked = PACKED.iter().find_map(|packed| name.strip_suffix(packed));
+        of(&name).or_else(|| of(unpacked?)).map(|(format, _)| *format)
+    }
+
+    /// Whether a name for people is that of the format.
+    pub(super) fn is_called(self, name: &str) -> bool {
+        self.name() == name
+    }
+
+    /// Name for people.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Nifti => "NIfTI",
+            Self::MetaImage => "MetaImage",
+            Self::Nrrd => "NRRD",
+            Self::Npy => "NumPy",
+        }
+    }
+}

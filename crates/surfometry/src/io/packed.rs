@@ -1,0 +1,106 @@
+//! Files that hold a header, compressed as a whole or not: gzip or bzip2 around any format.
+
+use super::ReadError;
+use super::header::{ByteOrder, DataOffset, Encoding, OpenedFile, VoxelData};
+use super::members::Members;
+use super::timed_file::Timed;
+use bzip2::bufread::BzDecoder;
+use flate2::bufread::GzDecoder;
+use std::fs::File;
+use std::io::{self, BufReader, Read, Seek};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+const GZIP: &[u8] = &[0x1f, 0x8b];
+/// A stream, a digit for its blocks' size, and how the first block begins.
+const BZIP2: (&[u8], &[u8]) = (b"BZh", &[0x31, 0x41, 0x59, 0x26, 0x53, 0x59]);
+
+/// An open file, and how it is compressed as a whole.
+#[derive(Debug)]
+pub(crate) struct Packed {
+    path: PathBuf,
+    file: File,
+    encoding: Encoding,
+}
+
+impl Packed {
+    /// Opens a file and looks at its first bytes.
+    pub(crate) fn open(path: &Path) -> Result<Self, ReadError> {
+        let (mut file, _) = open_file(path)?;
+        let mut magic = Vec::new();
+        let read = (&file).take(10).read_to_end(&mut magic).and_then(|_| file.rewind());
+        read.map_err(|e| ReadError::io(path, e))?;
+        Ok(Self { path: path.to_owned(), file, encoding: encoding_of(&magic) })
+    }
+
+    /// Whether the whole file is compressed.
+    pub(crate) fn is_packed(&self) -> bool {
+        self.encoding != Encoding::Raw
+    }
+
+    /// The first bytes, unpacked, at most `limit`; of a stream that is damaged, those before the damage, and the error.
+    pub(crate) fn start(&self, limit: u64) -> Result<(Vec<u8>, Option<io::Error>), ReadError> {
+        let mut file = self.file.try_clone().map_err(|e| ReadError::io(&self.path, e))?;
+        file.rewind().map_err(|e| ReadError::io(&self.path, e))?;
+        let mut bytes = Vec::new();
+        let outcome = self.decoder(file).take(limit).read_to_end(&mut bytes);
+        match outcome {
+            Err(error) if !self.is_packed() => Err(ReadError::io(&self.path, error)),
+            outcome => Ok((bytes, outcome.err())),
+        }
+    }
+
+    /// The whole file, unpacked, from its beginning.
+    pub(crate) fn into_reader(self) -> Box<dyn Read + Send> {
+        let Ok(file) = self.file.try_clone() else { return Box::new(io::empty()) };
+        self.decoder(file)
+    }
+
+    fn decoder(&self, file: File) -> Box<dyn Read + Send> {
+        let stored = BufReader::new(Timed::new(file, &Arc::default()));
+        match self.encoding {
+            Encoding::Gzip => Box::new(Members::<GzDecoder<_>>::new(stored)),
+            Encoding::Bzip2 => Box::new(Members::<BzDecoder<_>>::new(stored)),
+            Encoding::Raw | Encoding::Zlib => Box::new(stored),
+        }
+    }
+
+    /// The voxels behind a header in the same file, from byte `at` of the unpacked file on; `inner` is how they are
+    /// compressed themselves.
+    pub(crate) fn data(self, at: u64, inner: Encoding, order: ByteOrder) -> Result<VoxelData, ReadError> {
+        let (encoding, offset) = match (self.encoding, inner) {
+            (Encoding::Raw, inner) => (inner, DataOffset::Stored(at)),
+            (outer, Encoding::Raw) => (outer, DataOffset::Decoded(at)),
+            _ => return Err(ReadError::PackedTwice),
+        };
+        let opened = OpenedFile::keep(self.file);
+        Ok(VoxelData { path: self.path, opened, encoding, offset, order, scaling: None })
+    }
+}
+
+fn encoding_of(magic: &[u8]) -> Encoding {
+    if magic.starts_with(GZIP) {
+        Encoding::Gzip
+    } else if magic.starts_with(BZIP2.0) && magic.get(4..) == Some(BZIP2.1) {
+        Encoding::Bzip2
+    } else {
+        Encoding::Raw
+    }
+}
+
+/// Opens a file, and says how many bytes it has. A pipe, a device or a folder is refused before it is
+/// touched: opening a pipe waits for who writes to it.
+pub(crate) fn open_file(path: &Path) -> Result<(File, u64), ReadError> {
+    let failed = |e| ReadError::io(path, e);
+    let metadata = path.metadata().map_err(failed)?;
+    if !metadata.is_file() {
+        let kind = if metadata.is_dir() { "a folder" } else { "a device or pipe" };
+        return Err(ReadError::NotAFile { path: path.to_owned(), kind });
+    }
+    Ok((File::open(path).map_err(failed)?, metadata.len()))
+}
+
+/// Reads the start of a file, unpacked, at most `limit` bytes.
+pub(crate) fn read_start(path: &Path, limit: u64) -> Result<Vec<u8>, ReadError> {
+    Ok(Packed::open(path)?.start(limit)?.0)
+}
