@@ -5,7 +5,7 @@ use super::packed::open_file;
 use super::{Format, ReadError};
 use crate::volume::{Affine, Grid, LabelTable, ScalarType, Spacing, VolumeError};
 use std::fs::File;
-use std::io::{Read, Seek};
+use std::io::Seek;
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
 
