@@ -190,7 +190,7 @@ pub enum VolumeError {
     NoForeground,
     /// Every voxel rounds to the background.
     #[error(
-        "no foreground: every voxel rounds to 0, the largest value is {largest:e}; this is no label image: threshold it, or scale it"
+        "no foreground: every voxel rounds to 0, the largest value is {largest:.2e}; this is no label image: threshold it, or scale it"
     )]
     FaintForeground {
         /// Largest magnitude.
