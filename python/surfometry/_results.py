@@ -252,7 +252,7 @@ def _digits(value: float | None) -> str:
 
 
 def _timeless(record: Mapping[str, Any]) -> dict[str, Any]:
-    return {key: value for key, value in record.items() if key not in ("read_seconds", "seconds")}
+    return {key: value for key, value in record.items() if key not in ("input_sha256", "read_seconds", "seconds")}
 
 
 def flags_of(flags: list[dict[str, str]]) -> tuple[Flag, ...]:

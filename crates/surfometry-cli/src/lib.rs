@@ -33,6 +33,7 @@ struct Cli {
 enum Command {
     Measure(commands::measure::Args),
     Merge(commands::merge::Args),
+    Rerun(commands::rerun::Args),
     Map(commands::map::Args),
     Report(commands::report::Args),
     Embed(commands::embed::Args),
@@ -60,6 +61,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> u8 {
     let outcome = match cli.command {
         Command::Measure(args) => commands::measure::run(&args, cli.quiet),
         Command::Merge(args) => commands::merge::run(&args, cli.quiet),
+        Command::Rerun(args) => commands::rerun::run(&args, cli.quiet),
         Command::Map(args) => commands::map::run(&args, cli.quiet),
         Command::Report(args) => commands::report::run(&args, cli.quiet),
         Command::Embed(args) => commands::embed::run(&args, cli.quiet),

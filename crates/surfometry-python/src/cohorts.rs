@@ -12,8 +12,8 @@ use std::sync::{Mutex, PoisonError};
 use surfometry::io::ResultOutput;
 use surfometry::measurement::CurvatureScale;
 use surfometry::runs::{
-    Batch, DocumentForm, Failure, Journal, JournalError, MeasureTask, Plan, Record, RunError, RunHead, Shard,
-    Sink, journal_line,
+    Batch, DocumentForm, Failure, Journal, JournalError, MeasureTask, Plan, Record, RunError, RunHead,
+    Settings, Shard, Sink, journal_line,
 };
 use surfometry::{Control, Event};
 
@@ -61,10 +61,11 @@ pub(crate) fn cohort(py: Python, cohort: Cohort, session: Session, retry: bool) 
 
 fn tabulated(cohort: &Cohort, journal: Journal, plan: Plan, control: &Control) -> io::Result<String> {
     let batch = Batch { inputs: &cohort.inputs, open: plan.open, control, cure };
+    let settings = Settings::of(&plan);
     let task = MeasureTask { plan, ..MeasureTask::default() };
     let form = DocumentForm::of_path(&cohort.out).unwrap_or(DocumentForm::Csv);
     let mut failures = Vec::new();
-    let (outcome, out) = form.write(ResultOutput::create(&cohort.out)?, |sink| {
+    let (outcome, out) = form.write(ResultOutput::create(&cohort.out)?, &settings, |sink| {
         journal.run(&batch, task, Some(&mut Noted { sink, failures: &mut failures }))
     })?;
     out.end(outcome.stopped)?;

@@ -53,6 +53,7 @@ pub mod surface;
 pub mod tiling;
 pub mod topology;
 pub mod validation;
+mod vectors;
 pub mod volume;
 pub mod voxelisation;
 

@@ -11,7 +11,7 @@ use anyhow::{Result, anyhow, bail};
 use std::path::{Path, PathBuf};
 use surfometry::io::mesh_paths;
 use surfometry::measurement::VoxelQuantity;
-use surfometry::runs::{Batch, FileLedger, MapFile, MapStyle, MapTask, Plan};
+use surfometry::runs::{Batch, FileLedger, MapFile, MapStyle, MapTask, Plan, Settings};
 
 /// Map curvature on the surface: meshes, voxel maps, pictures, distributions
 ///
@@ -51,10 +51,10 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
     let [documents, files] = targets(args.output.iter().chain(&args.png), &inputs)?;
     let style = MapStyle { voxels: distinct(&args.voxels), ..args.pictures.map_style() };
     let control = control(inputs.len(), Voice { quiet, memory: false });
-    let scale_ledger = plan.scale_ledger.clone();
+    let (scale_ledger, settings) = (plan.scale_ledger.clone(), Settings::of(&plan));
     let batch = Batch { inputs: &inputs, open: plan.open, control: &control, cure };
     let ledger = FileLedger::new(&inputs);
-    let mut sink = MapSink::new(documents, quiet)?;
+    let mut sink = MapSink::new(documents, &settings, quiet)?;
     let outcome = batch.run(&MapTask { plan, files, style, ledger }, &mut sink)?;
     deliver(&sink.finish(outcome)?, None)?;
     Ok(with_scales(status(outcome), &scale_ledger, quiet))

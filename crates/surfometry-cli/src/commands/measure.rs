@@ -10,7 +10,7 @@ use anyhow::{Context, Result, bail};
 use std::path::PathBuf;
 use surfometry::measurement::CurvatureScale;
 use surfometry::runs::{
-    Batch, ExplainTopology, FileLedger, MapFile, MapStyle, MeasureTask, Pictures, Plan, SigmaRange,
+    Batch, ExplainTopology, FileLedger, MapFile, MapStyle, MeasureTask, Pictures, Plan, Settings, SigmaRange,
 };
 
 /// Measure the objects of label images
@@ -69,7 +69,7 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
     check_picture(args)?;
     let (path, style, ledger) = (args.png.clone(), MapStyle::default(), FileLedger::new(&inputs));
     let pictures = path.map(|path| Pictures { path, style, ledger });
-    let (open, scale_ledger) = (plan.open, plan.scale_ledger.clone());
+    let (open, scale_ledger, settings) = (plan.open, plan.scale_ledger.clone(), Settings::of(&plan));
     let mut journal = args.journal.begin(&plan, &inputs, args.results.path())?;
     let inputs = args.journal.own(&inputs);
     let task = MeasureTask { plan, pictures, timings: args.timings };
@@ -78,7 +78,7 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
     if let Some(journal) = journal.take_if(|_| args.journal.is_shard()) {
         return Ok(status(journal.run(&batch, task, None).context("the shard cannot be written")?));
     }
-    let status = write_results(&args.results, record_tables(args.explain), |sink| {
+    let status = write_results(&args.results, record_tables(args.explain), &settings, |sink| {
         let mut sigmas = SigmaRange::new(sink);
         let outcome = match journal {
             Some(journal) => journal.run(&batch, task, Some(&mut sigmas))?,

@@ -25,7 +25,7 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
     check_output(args.results.path(), &paths)?;
     let shards = Shards::read(&paths.into_iter().map(PathBuf::from).collect::<Vec<_>>())?;
     let settings = shards.settings().clone();
-    write_results(&args.results, record_tables(settings.explain()), |sink| {
+    write_results(&args.results, record_tables(settings.explain()), &settings, |sink| {
         let mut sigmas = SigmaRange::new(sink);
         let outcome = shards.replay(&mut sigmas)?;
         if !quiet && settings.sigma_is_automatic() {

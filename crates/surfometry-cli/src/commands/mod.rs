@@ -10,6 +10,7 @@ pub(crate) mod merge;
 pub(crate) mod phantom;
 pub(crate) mod reference;
 pub(crate) mod report;
+pub(crate) mod rerun;
 pub(crate) mod sweep;
 pub(crate) mod validate;
 

@@ -8,7 +8,7 @@ use crate::output::{Layout, TableStyle, check_output, digits, raised_text, write
 use anyhow::Result;
 use surfometry::accuracy::Flag;
 use surfometry::reference_methods::{METHODS, ReferenceMethod};
-use surfometry::runs::{Batch, ReferenceRecord, ReferenceTask};
+use surfometry::runs::{Batch, ReferenceRecord, ReferenceTask, Settings};
 
 /// Measure objects by the classical methods: counted voxels, exact Euler numbers, triangulation, dilation,
 /// Crofton
@@ -39,9 +39,10 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
     let plan = args.selection.plan();
     let control = control(inputs.len(), Voice { quiet, memory: false });
     let batch = Batch { inputs: &inputs, open: plan.open, control: &control, cure };
+    let settings = Settings::of(&plan);
     let task = ReferenceTask { plan, methods };
     let style = TableStyle { of_input: Box::new(table), legend: None };
-    write_results(&args.results, style, |sink| batch.run(&task, sink))
+    write_results(&args.results, style, &settings, |sink| batch.run(&task, sink))
 }
 
 const COLUMNS: [&str; 8] =

@@ -11,7 +11,8 @@ use anyhow::{Result, bail};
 use std::path::{Path, PathBuf};
 use surfometry::measurement::CurvatureScale;
 use surfometry::runs::{
-    Batch, ExplainTopology, FileLedger, MapFile, Plan, SweepChart, SweepTask, SweptParameter, SweptSurfaces,
+    Batch, ExplainTopology, FileLedger, MapFile, Plan, Settings, SweepChart, SweepTask, SweptParameter,
+    SweptSurfaces,
 };
 
 /// Measure the same objects over a range of sigma, thickness or level
@@ -69,7 +70,7 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
         check_output(path.as_deref(), &inputs)?;
     }
     let control = control(inputs.len(), Voice { quiet, memory: false });
-    let scale_ledger = plan.scale_ledger.clone();
+    let (scale_ledger, settings) = (plan.scale_ledger.clone(), Settings::of(&plan));
     let batch = Batch { inputs: &inputs, open: plan.open, control: &control, cure };
     let chart = args.chart.clone();
     let surfaces = args.surfaces.clone();
@@ -85,7 +86,8 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
         ledger: FileLedger::new(&inputs),
     };
     task.check()?;
-    let status = write_results(&args.results, sweep_tables(args.over), |sink| batch.run(&task, sink))?;
+    let status =
+        write_results(&args.results, sweep_tables(args.over), &settings, |sink| batch.run(&task, sink))?;
     Ok(with_scales(status, &scale_ledger, quiet))
 }
 

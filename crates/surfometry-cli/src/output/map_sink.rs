@@ -5,7 +5,7 @@ use anyhow::{Result, anyhow};
 use std::io;
 use std::path::PathBuf;
 use surfometry::io::ResultOutput;
-use surfometry::runs::{Failure, JsonSink, Outcome, Record, Sink, SurfaceRecord};
+use surfometry::runs::{Failure, JsonSink, Outcome, Record, Settings, Sink, SurfaceRecord};
 
 /// Writes the results of a map into documents while they come, and keeps the names of all files.
 pub(crate) struct MapSink {
@@ -18,9 +18,9 @@ pub(crate) struct MapSink {
 
 impl MapSink {
     /// Begins the documents.
-    pub(crate) fn new(documents: Vec<PathBuf>, quiet: bool) -> Result<Self> {
+    pub(crate) fn new(documents: Vec<PathBuf>, settings: &Settings, quiet: bool) -> Result<Self> {
         let begun = documents.into_iter().map(|path| {
-            let begun = ResultOutput::create(&path).and_then(JsonSink::new);
+            let begun = ResultOutput::create(&path).and_then(|out| JsonSink::new(out, settings));
             // Not as an error of writing: nothing is measured yet.
             let sink = begun.map_err(|error| anyhow!("{}: cannot be written: {error}", path.display()))?;
             Ok((path, sink))

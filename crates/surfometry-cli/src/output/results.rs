@@ -7,12 +7,13 @@ use crate::output::say;
 use anyhow::{Context, Result, anyhow};
 use std::io::{self, ErrorKind, IsTerminal};
 use surfometry::io::ResultOutput;
-use surfometry::runs::{DocumentForm, Outcome, Row, ScaleLedger, SigmaRange, Sink};
+use surfometry::runs::{DocumentForm, Outcome, Row, ScaleLedger, Settings, SigmaRange, Sink};
 
 /// Runs something that hands its results to a sink, and writes them as the options say; the exit status.
 pub(crate) fn write_results<R: Row>(
     options: &OutputOptions,
     style: TableStyle<R>,
+    settings: &Settings,
     run: impl FnOnce(&mut dyn Sink<R>) -> io::Result<Outcome>,
 ) -> Result<u8> {
     let out = match options.path() {
@@ -29,9 +30,9 @@ pub(crate) fn write_results<R: Row>(
             let mut sink = TableSink::new(out, style, list_failures);
             run(&mut sink).and_then(|outcome| Ok((outcome, sink.finish()?)))
         }
-        OutputFormat::Json => DocumentForm::Json.write(out, run),
-        OutputFormat::Jsonl => DocumentForm::JsonLines.write(out, run),
-        OutputFormat::Csv => DocumentForm::Csv.write(out, run),
+        OutputFormat::Json => DocumentForm::Json.write(out, settings, run),
+        OutputFormat::Jsonl => DocumentForm::JsonLines.write(out, settings, run),
+        OutputFormat::Csv => DocumentForm::Csv.write(out, settings, run),
     };
     let finished = written.and_then(|(outcome, out)| out.end(outcome.stopped).map(|_| outcome));
     match finished {

@@ -2,7 +2,8 @@
 
 use crate::embedding::GaussianKernel;
 use crate::tiling::IndexBox;
-use fearless_simd::{Level, dispatch};
+use crate::vectors;
+use fearless_simd::dispatch;
 use rayon::prelude::*;
 
 /// Convolution with the sampled Gaussian, of values that are 0 beyond their box.
@@ -61,7 +62,7 @@ impl TransposableBlur {
         let out =
             slices.values.par_chunks_exact_mut(width * height).zip(slices.live.par_chunks_exact_mut(height));
         out.zip(values.par_chunks_exact(nx * ny)).for_each(|((plane, live), slice)| {
-            dispatch!(Level::new(), _simd => {
+            dispatch!(vectors::level(), _simd => {
                 let rows = self.along_x(slice, (nx, ny), from.lower[0], (width, to.lower[0]));
                 for (number, (row, live)) in plane.chunks_exact_mut(width).zip(live).enumerate() {
                     let y = number as i64 + to.lower[1] - from.lower[1];
@@ -110,7 +111,7 @@ impl TransposableBlur {
         let mut out = vec![0.0; width * height * depth];
         out.par_chunks_exact_mut(width * height).enumerate().for_each(|(number, plane)| {
             let z = number as i64 + to.lower[2] - from.lower[2];
-            dispatch!(Level::new(), _simd => {
+            dispatch!(vectors::level(), _simd => {
                 for (y, row) in plane.chunks_exact_mut(width).enumerate() {
                     // A slice that is not there has no number that is.
                     let number = |step: i64| (z + step) * height as i64 + y as i64;

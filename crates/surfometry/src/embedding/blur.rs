@@ -3,7 +3,8 @@
 use super::kernel::GaussianKernel;
 use super::{Indicator, Row};
 use crate::tiling::{IndexBox, Pool};
-use fearless_simd::{Level, dispatch, f32x16, prelude::*};
+use crate::vectors;
+use fearless_simd::{dispatch, f32x16, prelude::*};
 
 /// Voxels that are computed together.
 const LANES: usize = 16;
@@ -91,7 +92,7 @@ impl Blur {
         phi: &mut [f32],
     ) {
         self.work.with(|work| {
-            dispatch!(Level::new(), simd => self.run(simd, (level, indicator), region, work, phi));
+            dispatch!(vectors::level(), simd => self.run(simd, (level, indicator), region, work, phi));
         });
     }
 
@@ -527,7 +528,7 @@ mod tests {
             let starts: Vec<usize> = (0..length).map(|n| n * nx).collect();
             let (mut a, mut b) = (vec![0.0; nx], vec![0.0; nx]);
             let ones = vec![1.0; length * nx];
-            dispatch!(Level::new(), simd => convolve(simd, Terms { taps: &taps, values: &ones, starts: &starts, minuend: None }, [MIXED; 2], [&mut a, &mut b]));
+            dispatch!(vectors::level(), simd => convolve(simd, Terms { taps: &taps, values: &ones, starts: &starts, minuend: None }, [MIXED; 2], [&mut a, &mut b]));
             assert!(a.iter().chain(&b).all(|&v| v == 1.0), "sigma {sigma}");
         }
     }
@@ -540,16 +541,16 @@ mod tests {
         let values: Vec<f32> = (0..length * nx).map(|i| (i * 37 % 101) as f32 / 101.0).collect();
         let starts: Vec<usize> = (0..length).map(|n| n * nx).collect();
         let (mut wide, mut plain) = (vec![0.0; 2 * nx], vec![0.0; 2 * nx]);
-        let on = |level: Level, out: &mut [f32]| {
+        let on = |level: fearless_simd::Level, out: &mut [f32]| {
             let (first, second) = out.split_at_mut(nx);
             dispatch!(level, simd => convolve(simd, Terms { taps: &taps, values: &values, starts: &starts, minuend: None }, [MIXED; 2], [first, second]));
         };
-        on(Level::new(), &mut wide);
-        on(Level::baseline(), &mut plain);
+        on(vectors::level(), &mut wide);
+        on(fearless_simd::Level::baseline(), &mut plain);
         assert_eq!(wide, plain);
         // Nor does it make a difference whether a row's neighbour is convolved with it.
         let (mut alone, mut other) = (vec![0.0; nx], vec![0.0; nx]);
-        dispatch!(Level::new(), simd => {
+        dispatch!(vectors::level(), simd => {
             convolve(simd, Terms { taps: &taps, values: &values, starts: &starts, minuend: None }, [MIXED, ONE], [&mut alone, &mut other]);
         });
         assert_eq!(alone, wide[..nx]);

@@ -4,7 +4,8 @@ use super::{Band, Quadrature};
 use crate::embedding::Precision;
 use crate::local_geometry::{BandVoxels, Curvature, Differentiation, Jet, TileField};
 use crate::tiling::{Block, ExactSum, IndexBox};
-use fearless_simd::{Level, dispatch};
+use crate::vectors;
+use fearless_simd::dispatch;
 use serde::{Deserialize, Serialize};
 use std::time::{Duration, Instant};
 
@@ -162,13 +163,12 @@ impl Partial {
             }
             TileField::Varying(field) => {
                 let half_width = band.delta().half_width();
-                let beyond =
-                    dispatch!(Level::new(), _simd => partial.add_inside(field, tile, half_width, &weights));
+                let beyond = dispatch!(vectors::level(), _simd => partial.add_inside(field, tile, half_width, &weights));
                 *summing += start.elapsed();
                 let mut sums = BandSums::default();
                 scheme.visit_band(field, tile, half_width, &mut |voxels| {
                     let start = Instant::now();
-                    dispatch!(Level::new(), _simd => sums.add(voxels, band, &weights));
+                    dispatch!(vectors::level(), _simd => sums.add(voxels, band, &weights));
                     look(voxels);
                     *summing += start.elapsed();
                 });

@@ -33,7 +33,7 @@ mod timed_file;
 mod voxel_stream;
 mod whole_file;
 
-pub(crate) use digest::sha256_text;
+pub(crate) use digest::{hash_of_file, sha256_text};
 pub use error::ReadError;
 pub use format::Format;
 pub(crate) use format::PACKED;

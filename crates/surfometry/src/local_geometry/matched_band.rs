@@ -5,7 +5,8 @@ use super::band_voxels::GROUP as LANES;
 use super::matched_weights::{CentralWeights, SIDE};
 use crate::embedding::Precision;
 use crate::tiling::{Block, IndexBox};
-use fearless_simd::{Level, dispatch, f32x8, prelude::*};
+use crate::vectors;
+use fearless_simd::{dispatch, f32x8, prelude::*};
 
 /// The band of a field, voxel after voxel.
 pub(super) struct BandPass<'a> {
@@ -34,7 +35,7 @@ impl BandPass<'_> {
         while part.lower[0] < tile.upper[0] {
             part.upper[0] = tile.upper[0].min(part.lower[0] + LONGEST as i64);
             let mut slice = Slice::new(self, part);
-            dispatch!(Level::new(), simd => slice.walk(simd, visit));
+            dispatch!(vectors::level(), simd => slice.walk(simd, visit));
             part.lower[0] = part.upper[0];
         }
     }

@@ -6,7 +6,8 @@ use super::matched_weights::{MatchedWeights, NODES_BETWEEN, PointWeights, SIDE, 
 use super::{BandVoxels, Differentiation, Jet};
 use crate::embedding::GaussianEmbedding;
 use crate::tiling::{Block, IndexBox};
-use fearless_simd::{Level, dispatch, f32x8, prelude::*};
+use crate::vectors;
+use fearless_simd::{dispatch, f32x8, prelude::*};
 use std::sync::Arc;
 
 /// First and second derivatives at a voxel from four voxels on each side.
@@ -73,7 +74,7 @@ impl<'a> Differentiation for MatchedDifferences<'a> {
 
     fn jets_at(&self, field: &Block<f32>, points: &[[f64; 3]]) -> Vec<Jet> {
         let between = self.weights.between();
-        dispatch!(Level::new(), simd => point_jets(simd, field, between, points))
+        dispatch!(vectors::level(), simd => point_jets(simd, field, between, points))
     }
 }
 

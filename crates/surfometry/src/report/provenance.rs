@@ -1,9 +1,7 @@
 //! Where a report comes from.
 
-use crate::io::{ReadError, sha256_text};
+use crate::io::{ReadError, hash_of_file};
 use serde::Serialize;
-use sha2::{Digest, Sha256};
-use std::fs::File;
 use std::io;
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
@@ -62,23 +60,9 @@ impl HashedInput {
 
 impl HashedFile {
     fn of(path: &Path) -> io::Result<Self> {
-        let mut hash = Sha256::new();
-        let bytes = io::copy(&mut File::open(path)?, &mut HashWriter(&mut hash))?;
+        let (sha256, bytes) = hash_of_file(path)?;
         let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        Ok(Self { name, sha256: sha256_text(hash), bytes })
-    }
-}
-
-struct HashWriter<'a>(&'a mut Sha256);
-
-impl io::Write for HashWriter<'_> {
-    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        self.0.update(bytes);
-        Ok(bytes.len())
-    }
-
-    fn flush(&mut self) -> io::Result<()> {
-        Ok(())
+        Ok(Self { name, sha256, bytes })
     }
 }
 

@@ -114,6 +114,7 @@ impl Blockwise {
                 component: None,
                 truth: None,
                 curvature_sigma_mm: None,
+                input_sha256: None,
                 read_seconds: None,
                 seconds: measured.timings.integrals,
                 measured,

@@ -65,7 +65,7 @@ pub(super) const RECORD: [Group; 22] = [
     ("", &["flags"]),
     ("truth", TRUTH),
     ("", &["curvature_sigma_mm"]),
-    ("", &["read_seconds", "seconds"]),
+    ("", &["input_sha256", "read_seconds", "seconds"]),
 ];
 
 /// Of a [`ReferenceRecord`](super::ReferenceRecord).

@@ -1,7 +1,7 @@
 //! Results as documents, written while they come.
 
 use super::flatten::each_field;
-use super::{Failure, Outcome, Sink};
+use super::{Failure, MadeBy, Outcome, Settings, Sink};
 use crate::io::ResultOutput;
 use serde::Serialize;
 use serde_json::{Value, json};
@@ -39,11 +39,12 @@ impl DocumentForm {
     pub fn write<R: Row>(
         self,
         out: ResultOutput,
+        settings: &Settings,
         run: impl FnOnce(&mut dyn Sink<R>) -> io::Result<Outcome>,
     ) -> io::Result<(Outcome, ResultOutput)> {
         match self {
             Self::Json => {
-                let mut sink = JsonSink::new(out)?;
+                let mut sink = JsonSink::new(out, settings)?;
                 Ok((run(&mut sink)?, sink.finish()?))
             }
             Self::JsonLines => {
@@ -67,7 +68,7 @@ pub trait Row: Serialize + Send {
     fn columns() -> Vec<String>;
 }
 
-/// The document as a whole: schema, version, results, failures. Wherever the run ends, what was written to a
+/// The document as a whole: what made it, settings, results, failures. Wherever the run ends, what was written to a
 /// file so far is a whole document.
 pub struct JsonSink<R> {
     out: ResultOutput,
@@ -77,18 +78,22 @@ pub struct JsonSink<R> {
 }
 
 impl<R: Row> JsonSink<R> {
-    /// Begins a document.
+    /// Begins a document of results that were had with some settings.
     ///
     /// # Errors
     /// Whatever keeps it from being written.
-    pub fn new(out: ResultOutput) -> io::Result<Self> {
+    pub fn new(out: ResultOutput, settings: &Settings) -> io::Result<Self> {
         let mut sink = Self { out, rows: 0, failures: Vec::new(), of: PhantomData };
-        let head = format!(
-            "{{\n  \"schema\": {},\n  \"version\": {},\n  \"results\": [",
-            json!(R::SCHEMA),
-            json!(env!("CARGO_PKG_VERSION"))
-        );
-        sink.write(&head)?;
+        let MadeBy { version, commit, machine } = MadeBy::this();
+        let head = [
+            ("schema", json!(R::SCHEMA)),
+            ("version", json!(version)),
+            ("commit", json!(commit)),
+            ("machine", json!(machine)),
+        ];
+        let fields = head.map(|(name, value)| format!("  \"{name}\": {value},\n")).concat();
+        let settings = indented(settings, "  ")?;
+        sink.write(&format!("{{\n{fields}  \"settings\": {settings},\n  \"results\": ["))?;
         Ok(sink)
     }
 

@@ -3,6 +3,7 @@
 use super::RunError;
 use crate::measurement::Measurement;
 use crate::volume::LabelGroup;
+use serde::{Deserialize, Serialize};
 
 /// Lengths in mm of some objects in the place of those that all have; `None` stands for the automatic one. The
 /// paper has one standard deviation for each tissue class.
@@ -16,7 +17,7 @@ use crate::volume::LabelGroup;
 /// assert_eq!(records[0].measured.parameters.sigma_mm, Some(1.5));
 /// # Ok::<(), surfometry::runs::RunError>(())
 /// ```
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct LabelScales {
     /// Blurs.
     pub sigma_mm: Vec<(LabelGroup, Option<f64>)>,

@@ -1,6 +1,7 @@
 //! Objects to records.
 
 use super::ExplainTopology;
+use super::fingerprint::Fingerprint;
 use super::reading::{FileStamps, Watched, name_of};
 use super::{Item, Opened, Plan, Reading, Record, RunError, Task};
 use crate::inputs::open;
@@ -70,6 +71,7 @@ impl MeasureTask {
     fn of_stream(&self, input: &Opened, out: &mut dyn FnMut(Item<Record>)) -> Result<(), RunError> {
         let Opened { name, source, control, .. } = input;
         let files = FileStamps::of(&**source);
+        let fingerprint = Fingerprint::begin(&**source);
         let mut slabs = Watched { slabs: source.slabs()?, input: name, control };
         let streamed =
             self.plan.measurement.run_slabs_under(control, &mut slabs, &self.plan.labels, |at| {
@@ -100,6 +102,7 @@ impl MeasureTask {
                 component: None,
                 truth,
                 curvature_sigma_mm: None,
+                input_sha256: fingerprint.text(),
                 read_seconds: Some(read),
                 seconds: measured.timings.integrals,
                 measured,

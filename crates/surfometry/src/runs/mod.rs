@@ -11,12 +11,14 @@ mod document;
 mod embed;
 mod error;
 mod file_ledger;
+mod fingerprint;
 mod flatten;
 mod info;
 mod journal;
 mod journalled;
 mod label_scales;
 mod lengths;
+mod made_by;
 #[cfg(feature = "pictures")]
 mod map;
 #[cfg(feature = "pictures")]
@@ -31,6 +33,7 @@ mod plan;
 mod reading;
 mod record;
 mod reference;
+mod rerun;
 mod scale_ledger;
 mod settings;
 mod shard;
@@ -59,6 +62,7 @@ pub use journal::{JOURNAL_SCHEMA, Journal, JournalError, RunHead};
 pub use journalled::journal_line;
 pub use label_scales::LabelScales;
 pub use lengths::{Length, Lengths};
+pub use made_by::MadeBy;
 #[cfg(feature = "pictures")]
 pub use map::MapTask;
 #[cfg(feature = "pictures")]
@@ -73,6 +77,7 @@ pub use plan::{ExplainTopology, Plan};
 pub use reading::Reading;
 pub use record::{Failure, Record, SCHEMA};
 pub use reference::{REFERENCE_SCHEMA, ReferenceRecord, ReferenceTask};
+pub use rerun::{Finding, Repeated, Repetition, RerunError, WrittenRun};
 pub use scale_ledger::ScaleLedger;
 pub use settings::Settings;
 pub use shard::Shard;

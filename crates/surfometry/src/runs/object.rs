@@ -1,5 +1,6 @@
 //! One object of an input, ready for whatever is asked of it.
 
+use super::fingerprint::Fingerprint;
 use super::{ExplainTopology, Failure, Plan, Record, RunError};
 use crate::accuracy::Flag;
 use crate::inputs::input_title;
@@ -12,7 +13,7 @@ use crate::{Control, Measurement};
 use std::sync::{Arc, OnceLock};
 
 /// What all objects of an input share.
-#[derive(Debug, Clone)]
+#[derive(Debug)]
 pub(super) struct InputFacts {
     /// The input as named.
     pub(super) input: String,
@@ -22,6 +23,7 @@ pub(super) struct InputFacts {
     pub(super) read_seconds: f64,
     pub(super) explain: ExplainTopology,
     pub(super) control: Control,
+    pub(super) fingerprint: Fingerprint,
 }
 
 /// One object of an input, ready to be measured, mapped and shown. It owns what it needs.
@@ -122,6 +124,7 @@ impl InputObject {
             component: self.component,
             truth: self.truth,
             curvature_sigma_mm: self.local.as_ref().and_then(|local| local.parameters().sigma_mm),
+            input_sha256: self.facts.fingerprint.text(),
             read_seconds: Some(self.facts.read_seconds),
             seconds: measured.timings.integrals,
             measured,
@@ -180,6 +183,7 @@ impl InputFacts {
         Self {
             input: input.name.to_owned(),
             many_labels,
+            fingerprint: Fingerprint::begin(&*input.source),
             flags: input.source.flags(),
             read_seconds,
             explain: plan.explain_topology,

@@ -1,5 +1,6 @@
 //! An input that was read as a whole: one reading serves all that is asked of it.
 
+use super::fingerprint::Fingerprint;
 use super::object::InputFacts;
 use super::{InputObject, Opened, Plan, RunError};
 use crate::inputs::{InputError, Source};
@@ -84,6 +85,7 @@ impl<'a> Reading<'a> {
             read_seconds: 0.0,
             explain: plan.explain_topology,
             control: control.clone(),
+            fingerprint: Fingerprint::none(),
         };
         let labelled = Labelled { image, groups, names: BTreeMap::new(), truth: None };
         Self { plan, control, facts: Arc::new(facts), content: Content::Labels(Box::new(labelled)) }

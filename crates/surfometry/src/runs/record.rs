@@ -31,6 +31,10 @@ pub struct Record {
     /// own.
     #[serde(default)]
     pub curvature_sigma_mm: Option<f64>,
+    /// SHA-256 of the input's file; of several (header and data, the files of a folder) that of their digests, a line
+    /// each; `None` of what lies in no file.
+    #[serde(default)]
+    pub input_sha256: Option<String>,
     /// Time to read and decode the input, s.
     pub read_seconds: Option<f64>,
     /// Time from the decoded labels to all integrals, s.

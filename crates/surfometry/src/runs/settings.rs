@@ -1,7 +1,9 @@
 //! Everything that a run's numbers depend on beside its inputs.
 
-use super::{ExplainTopology, Plan};
+use super::{ExplainTopology, LabelScales, Plan, ScaleLedger};
 use crate::Measurement;
+use crate::inputs::OpenOptions;
+use crate::measurement::CurvatureScale;
 use crate::volume::{LabelGroup, LabelSelection};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -17,11 +19,14 @@ pub struct Settings {
     per_component: bool,
     explain: bool,
     recover: bool,
+    /// Lengths of labels that have their own.
+    #[serde(default, skip_serializing_if = "LabelScales::is_empty")]
+    scales: LabelScales,
 }
 
 impl Settings {
     /// Those of a plan.
-    pub(super) fn of(plan: &Plan) -> Self {
+    pub fn of(plan: &Plan) -> Self {
         Self {
             measurement: plan.measurement,
             spacing: plan.open.spacing,
@@ -32,6 +37,22 @@ impl Settings {
             per_component: plan.per_component,
             explain: plan.explain_topology == ExplainTopology::Always,
             recover: plan.recover,
+            scales: plan.scales.clone(),
+        }
+    }
+
+    /// What measures so.
+    pub fn plan(&self) -> Plan {
+        Plan {
+            measurement: self.measurement,
+            scales: self.scales.clone(),
+            scale_ledger: ScaleLedger::default(),
+            open: OpenOptions { spacing: self.spacing },
+            labels: self.label.clone().map_or(LabelSelection::All, LabelSelection::Groups),
+            curvature: CurvatureScale::AsMeasured,
+            per_component: self.per_component,
+            explain_topology: if self.explain { ExplainTopology::Always } else { ExplainTopology::default() },
+            recover: self.recover,
         }
     }
 

@@ -4,7 +4,8 @@ use super::cell::{EDGE_BASES, edge_corners};
 use super::triangulation::{CellSink, SIMPLE_CELLS, fill_by_values};
 use crate::embedding::Precision;
 use crate::tiling::{Block, IndexBox};
-use fearless_simd::{Level, dispatch};
+use crate::vectors;
+use fearless_simd::dispatch;
 
 /// Name of a vertex on a grid edge: the voxel that the edge starts from, and the axis that it runs along.
 pub(crate) type EdgeKey = ([i64; 3], u8);
@@ -102,7 +103,7 @@ impl<'a, T: Precision> Builder<'a, T> {
             limits: *limits,
             nx,
             ny,
-            inside: dispatch!(Level::new(), _simd => bits_of_rows(field, &region)),
+            inside: dispatch!(vectors::level(), _simd => bits_of_rows(field, &region)),
             along_x: [rows(), rows()],
             along_y: [rows(), rows()],
             along_z: rows(),

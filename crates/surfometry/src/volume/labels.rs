@@ -4,7 +4,8 @@ use super::label_runs::{LabelRuns, Run, SliceRuns};
 use super::samples::for_samples;
 use super::{Grid, LabelGroup, Mask, Samples, Scalar, Slab, SlabReader, VolumeError};
 use crate::tiling::IndexBox;
-use fearless_simd::{Level, dispatch};
+use crate::vectors;
+use fearless_simd::dispatch;
 use rayon::prelude::*;
 use std::collections::HashMap;
 
@@ -189,7 +190,7 @@ impl RunEncoder {
         let [nx, ny, _] = self.region.extent();
         let [x, y, z] = self.region.lower.map(|v| v as usize);
         let first = z + self.voxels / (nx * ny);
-        let encode = |(number, slice): (usize, &[T])| dispatch!(Level::new(), _simd => EncodedSlice::of(slice, nx, [x, y, first + number]));
+        let encode = |(number, slice): (usize, &[T])| dispatch!(vectors::level(), _simd => EncodedSlice::of(slice, nx, [x, y, first + number]));
         let encoded: Vec<_> = values.par_chunks(nx * ny).enumerate().map(encode).collect();
         for slice in encoded {
             let EncodedSlice { runs: mut slice_runs, summaries, faint } = slice?;
