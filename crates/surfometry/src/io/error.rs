@@ -36,6 +36,14 @@ pub enum ReadError {
         /// What is wrong and what to do.
         reason: String,
     },
+    /// A mesh's file makes no sense, or holds its surface in a form that is not read.
+    #[error("damaged or unsupported {format} mesh: {reason}; export the mesh again")]
+    Mesh {
+        /// Format, by the file's name.
+        format: &'static str,
+        /// What is wrong.
+        reason: String,
+    },
     /// Several volumes or channels in one file.
     #[error(
         "{count} volumes in one file ({dimensions:?}): surfometry measures one 3-D image at a time; split the file, for instance with nibabel or `fslsplit`"
@@ -91,9 +99,5 @@ pub enum ReadError {
 impl ReadError {
     pub(crate) fn io(path: &std::path::Path, source: io::Error) -> Self {
         Self::Io { path: path.to_owned(), source }
-    }
-
-    pub(super) fn damaged_mesh(format: &'static str, reason: &impl std::fmt::Display) -> Self {
-        Self::Header { format, reason: format!("{reason}; export the mesh again") }
     }
 }
