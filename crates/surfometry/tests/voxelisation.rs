@@ -107,7 +107,10 @@ fn meshes_without_an_inside() {
     far.vertices[3][1] = f64::NAN;
     assert_eq!(VoxelisedMesh::new(&far, spacing).unwrap_err(), VoxeliseError::NotFinite(3));
     let fine = Spacing::new([1e-6; 3]).unwrap();
-    assert!(matches!(VoxelisedMesh::new(&cuboid([1.0; 3], [5.0; 3]), fine), Err(VoxeliseError::TooLarge(_))));
+    assert!(matches!(
+        VoxelisedMesh::new(&cuboid([1.0; 3], [5.0; 3]), fine),
+        Err(VoxeliseError::TooLarge { .. })
+    ));
 }
 
 /// What was written is read: STL loses shared vertices and finds them again.
@@ -139,4 +142,97 @@ fn files_of_meshes() {
         let error = read_mesh(&path).unwrap_err().to_string();
         assert!(error.contains("export the mesh again"), "{error}");
     }
+}
+
+/// A ball of triangles of equal size, which do not share vertices: each has corners of its own.
+fn loose_ball() -> Mesh {
+    let shape =
+        phantom(Ellipsoid { radii: [9.0, 7.0, 6.0] }, Pose::new([10.0, 20.0, 30.0], [0.0; 3]), [1.0; 3]);
+    let mesh = Measurement::default().prepare(shape.labels().unwrap().mask(1)).unwrap().surface().mesh;
+    let vertices: Vec<[f64; 3]> = mesh.triangles.iter().flat_map(|&t| mesh.corners(t)).collect();
+    let triangles = (0..mesh.triangles.len() as u32).map(|n| [3 * n, 3 * n + 1, 3 * n + 2]).collect();
+    Mesh { vertices, triangles }
+}
+
+fn refusal(mesh: &Mesh, spacing: [f64; 3]) -> VoxeliseError {
+    VoxelisedMesh::new(mesh, Spacing::new(spacing).unwrap()).unwrap_err()
+}
+
+/// Vertices that programs rounded apart are one, up to 1/100 of the least spacing; what is further apart is a gap, which
+/// is said. The voxels are those of the whole mesh.
+#[test]
+fn vertices_that_are_rounded_apart() {
+    let spacing = [0.9, 0.7, 1.1];
+    let whole = loose_ball();
+    let expected = voxels(&whole, spacing).voxels();
+    // Each corner is moved to another side, the same every time.
+    let moved = |by: f64| {
+        let shifted =
+            |(n, v): (usize, &[f64; 3])| [0, 1, 2].map(|a| v[a] + by * [-1.0, 0.0, 1.0][(n * 7 + a * 5) % 3]);
+        Mesh { vertices: whole.vertices.iter().enumerate().map(shifted).collect(), ..whole.clone() }
+    };
+    for by in [1e-15, 1e-7, 1e-4] {
+        let found = voxels(&moved(by), spacing).voxels();
+        assert!(found.abs_diff(expected) <= 1 + expected / 1000, "{by}: {found} for {expected}");
+    }
+    let apart = refusal(&moved(0.02), spacing);
+    assert!(matches!(apart, VoxeliseError::Open { .. }), "{apart}");
+    assert!(apart.to_string().contains("merge vertices that are close"), "{apart}");
+}
+
+/// Why a mesh has no inside is told apart: holes, faces turned round, walls inside.
+#[test]
+fn what_keeps_a_mesh_from_having_an_inside() {
+    let block = cuboid([1.0, 2.0, 3.0], [9.0, 8.0, 9.0]);
+    let mut turned = block.clone();
+    turned.triangles[5].swap(0, 1);
+    let error = refusal(&turned, [1.0; 3]);
+    assert!(matches!(error, VoxeliseError::Turned { edges: 3, .. }), "{error}");
+    assert!(error.to_string().contains("orient them alike"), "{error}");
+    // Of a half that is turned the edges around it show.
+    let mut half = block.clone();
+    half.triangles.iter_mut().take(2).for_each(|t| t.swap(0, 1));
+    assert!(matches!(refusal(&half, [1.0; 3]), VoxeliseError::Turned { edges: 4, .. }));
+    let mut wall = block.clone();
+    wall.triangles.push(wall.triangles[0]);
+    assert!(matches!(refusal(&wall, [1.0; 3]), VoxeliseError::Branched { edges: 3, .. }));
+    // A hole is named before what else is wrong.
+    turned.triangles.remove(0);
+    assert!(matches!(refusal(&turned, [1.0; 3]), VoxeliseError::Open { .. }));
+    let missing = Mesh { vertices: block.vertices[..7].to_vec(), ..block };
+    assert_eq!(refusal(&missing, [1.0; 3]), VoxeliseError::NoSuchVertex { number: 7, count: 7 });
+}
+
+/// Vertices that no triangle names neither size the lattice nor are asked whether they are finite.
+#[test]
+fn only_vertices_of_triangles_count() {
+    let block = cuboid([1.0, 2.0, 3.0], [9.0, 8.0, 9.0]);
+    let expected = voxels(&block, [1.0, 0.8, 0.7]);
+    let mut more = block;
+    more.vertices.extend([[1e7, -1e7, 1e300], [f64::NAN; 3]]);
+    let found = VoxelisedMesh::new(&more, Spacing::new([1.0, 0.8, 0.7]).unwrap()).unwrap();
+    assert_eq!(found.grid().dimensions(), expected.grid().dimensions());
+    assert_eq!(found.labels().unwrap().mask(1).voxels(), expected.voxels());
+}
+
+/// Meshes in metres and micrometres are told by their size, also where a voxel's centre happens to be inside; and so is
+/// a plate that lies between centres.
+#[test]
+fn meshes_in_other_units() {
+    let scaled = |by: f64, shift: f64| {
+        let ball = loose_ball();
+        Mesh { vertices: ball.vertices.iter().map(|v| v.map(|c| c * by + shift)).collect(), ..ball }
+    };
+    for shift in [0.0, 0.25] {
+        let metres = refusal(&scaled(1e-3, shift), [0.5; 3]);
+        assert!(matches!(metres, VoxeliseError::TooSmall { .. }), "{metres}");
+        assert!(metres.to_string().contains("in metres, scale them by 1000"), "{metres}");
+    }
+    let micrometres = refusal(&scaled(1e3, 0.0), [0.5; 3]);
+    assert!(micrometres.to_string().contains("in micrometres, scale them by 0.001"), "{micrometres}");
+    let plate = refusal(&cuboid([0.3, 0.3, 0.3], [9.0, 9.0, 0.6]), [1.0; 3]);
+    assert!(
+        matches!(plate, VoxeliseError::NoVoxel { volume, .. } if (volume - 22.707).abs() < 1e-9),
+        "{plate}"
+    );
 }

@@ -2,7 +2,8 @@
 
 use super::slabs::Reader;
 use super::{HeaderFacts, InputError, OpenOptions, Slabs, Source};
-use crate::io::{MeshFormat, read_mesh};
+use crate::accuracy::{Flag, FlagCode};
+use crate::io::{MeshFile, read_mesh_file};
 use crate::volume::{Grid, Spacing};
 use crate::voxelisation::VoxelisedMesh;
 use std::path::{Path, PathBuf};
@@ -10,14 +11,18 @@ use std::path::{Path, PathBuf};
 /// A closed surface on a lattice.
 pub(super) struct MeshSource {
     path: PathBuf,
+    format: &'static str,
+    surplus: u64,
+    beside: Vec<PathBuf>,
     voxels: VoxelisedMesh,
 }
 
 impl MeshSource {
     pub(super) fn open(path: &Path, options: &OpenOptions) -> Result<Self, InputError> {
         let spacing = Spacing::new(options.spacing.ok_or(InputError::MeshWithoutSpacing)?)?;
-        let voxels = VoxelisedMesh::new(&read_mesh(path)?, spacing)?;
-        Ok(Self { path: path.to_owned(), voxels })
+        let MeshFile { mesh, format, surplus, beside } = read_mesh_file(path)?;
+        let voxels = VoxelisedMesh::new(&mesh, spacing)?;
+        Ok(Self { path: path.to_owned(), format, surplus, beside, voxels })
     }
 }
 
@@ -35,13 +40,21 @@ impl Source for MeshSource {
     }
 
     fn header(&self) -> HeaderFacts {
-        HeaderFacts {
-            format: MeshFormat::of_path(&self.path).map_or("mesh", MeshFormat::name),
-            voxel_type: "uint8",
-        }
+        HeaderFacts { format: self.format, voxel_type: "uint8" }
     }
 
     fn files(&self) -> Vec<PathBuf> {
-        vec![self.path.clone()]
+        // A mesh can be read without its materials, which may be missing.
+        let beside = self.beside.iter().filter(|file| file.is_file());
+        [&self.path].into_iter().chain(beside).cloned().collect()
+    }
+
+    fn flags(&self) -> Vec<Flag> {
+        let bytes = self.surplus;
+        let message = format!(
+            "{bytes} bytes follow the last element that the mesh's header counts, and were not read: is the rest of the \
+             surface in them?"
+        );
+        (bytes > 0).then(|| Flag::new(FlagCode::SurplusData, message)).into_iter().collect()
     }
 }

@@ -36,6 +36,14 @@ pub enum ReadError {
         /// What is wrong and what to do.
         reason: String,
     },
+    /// A mesh's file makes no sense, or holds its surface in a form that is not read.
+    #[error("damaged or unsupported {format} mesh: {reason}; export the mesh again")]
+    Mesh {
+        /// Format, by the file's name.
+        format: &'static str,
+        /// What is wrong.
+        reason: String,
+    },
     /// Several volumes or channels in one file.
     #[error(
         "{count} volumes or channels in one file ({dimensions:?}): surfometry measures one 3-D image at a time; save each as a file of its own"
@@ -119,10 +127,6 @@ impl ReadError {
     /// Out of what a reader of assembled voxels reported, which keeps it whole.
     pub(crate) fn of_read(source: io::Error) -> Result<Self, io::Error> {
         source.downcast::<Self>()
-    }
-
-    pub(super) fn damaged_mesh(format: &'static str, reason: &impl std::fmt::Display) -> Self {
-        Self::Header { format, reason: format!("{reason}; export the mesh again") }
     }
 }
 

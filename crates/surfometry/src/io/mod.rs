@@ -40,6 +40,7 @@ pub(crate) use format::PACKED;
 pub use growing_file::{GrowingFile, ResultOutput};
 pub use header::ImageHeader;
 pub use mesh::{MeshDocument, MeshFormat, is_mesh, mesh_paths, read_mesh, write_mesh};
+pub(crate) use mesh::{MeshFile, read_mesh_file};
 pub use nifti_writer::{write_labels, write_voxel_map};
 pub use voxel_stream::VoxelStream;
 pub use whole_file::write_whole;

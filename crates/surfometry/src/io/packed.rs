@@ -38,6 +38,11 @@ impl Packed {
         self.encoding != Encoding::Raw
     }
 
+    /// Bytes of the file as it is.
+    pub(crate) fn stored_bytes(&self) -> Result<u64, ReadError> {
+        Ok(self.file.metadata().map_err(|e| ReadError::io(&self.path, e))?.len())
+    }
+
     /// The first bytes, unpacked, at most `limit`; of a stream that is damaged, those before the damage, and the error.
     pub(crate) fn start(&self, limit: u64) -> Result<(Vec<u8>, Option<io::Error>), ReadError> {
         let mut file = self.file.try_clone().map_err(|e| ReadError::io(&self.path, e))?;

@@ -14,7 +14,10 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod closing;
 mod crossings;
+mod error;
 mod voxelised_mesh;
 
-pub use voxelised_mesh::{VoxeliseError, VoxelisedMesh};
+pub use error::VoxeliseError;
+pub use voxelised_mesh::VoxelisedMesh;

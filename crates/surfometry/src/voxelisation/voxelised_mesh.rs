@@ -1,15 +1,18 @@
 //! A mesh on a lattice.
 
+use super::VoxeliseError;
+use super::closing::closed_triangles;
 use super::crossings::{Crossing, crossings_of};
 use crate::surface::Mesh;
 use crate::volume::{
     Affine, Grid, LabelImage, Slab, SlabReader, Spacing, VolumeError, check_made, made_slab,
 };
-use std::collections::HashMap;
-use thiserror::Error;
+use std::ops::Range;
 
 /// Background voxels on every side.
 const MARGIN: i64 = 2;
+/// A mesh that is less wide in voxels, along all axes, is most likely in another unit.
+const FEWEST: f64 = 4.0;
 
 /// The voxels whose centres lie inside a closed mesh: label 1 inside, 0 outside.
 ///
@@ -25,81 +28,43 @@ pub struct VoxelisedMesh {
     starts: Vec<usize>,
 }
 
-/// Why a mesh has no voxels.
-#[derive(Debug, Clone, PartialEq, Error)]
-#[non_exhaustive]
-pub enum VoxeliseError {
-    /// No triangles.
-    #[error("the mesh has no triangles")]
-    Empty,
-    /// A corner that is no place.
-    #[error("vertex {0} of the mesh is not finite")]
-    NotFinite(usize),
-    /// It has no inside.
-    #[error(
-        "the mesh is not closed: {edges} edges, the first at ({x:.4}, {y:.4}, {z:.4}), have no triangle on one side; fill its holes first, for instance in MeshLab"
-    )]
-    Open {
-        /// How many.
-        edges: usize,
-        /// Where the first one begins.
-        x: f64,
-        /// Its y.
-        y: f64,
-        /// Its z.
-        z: f64,
-    },
-    /// A lattice that is too fine.
-    #[error("the spacing is too fine for this mesh: {0:?} voxels; are both in mm?")]
-    TooLarge([f64; 3]),
-    /// A lattice that cannot be.
-    #[error(transparent)]
-    Volume(#[from] VolumeError),
-}
-
 impl VoxelisedMesh {
-    /// Puts a mesh on a lattice.
+    /// Puts a mesh on a lattice. Vertices that no triangle names do not count. Where edges are open, vertices at their
+    /// ends that are up to 1/100 of the least spacing apart count as one, the first of them.
     ///
     /// # Errors
     /// [`VoxeliseError`].
     pub fn new(mesh: &Mesh, spacing: Spacing) -> Result<Self, VoxeliseError> {
-        if mesh.triangles.is_empty() {
-            return Err(VoxeliseError::Empty);
-        }
-        if let Some(bad) = mesh.vertices.iter().position(|v| v.iter().any(|c| !c.is_finite())) {
-            return Err(VoxeliseError::NotFinite(bad));
-        }
-        check_closed(mesh)?;
         let h = spacing.mm();
-        let end = |axis: usize, least: bool| {
-            let places = mesh.vertices.iter().map(|v| v[axis] / h[axis]);
-            if least {
-                places.fold(f64::INFINITY, f64::min).floor()
-            } else {
-                places.fold(f64::NEG_INFINITY, f64::max).ceil()
-            }
-        };
-        let first: [f64; 3] = std::array::from_fn(|axis| end(axis, true) - MARGIN as f64);
-        let extent: [f64; 3] =
-            std::array::from_fn(|axis| end(axis, false) + MARGIN as f64 - first[axis] + 1.0);
-        let dimensions = extent.map(|n| n as usize);
-        check_made(dimensions).map_err(|_| VoxeliseError::TooLarge(extent))?;
+        let lattice = lattice(ends(mesh)?, h)?;
+        let dimensions = lattice.extent.map(|n| n as usize);
         let axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-        let origin = std::array::from_fn(|axis| first[axis] * h[axis]);
+        let origin = std::array::from_fn(|axis| lattice.first[axis] * h[axis]);
         let grid = Grid::new(dimensions, Affine::from_directions(axes, h, origin))?;
-        let place = |v: &[f64; 3]| std::array::from_fn(|axis| v[axis] / h[axis] - first[axis]);
-        let vertices: Vec<[f64; 3]> = mesh.vertices.iter().map(place).collect();
+        let place = |v: u32| {
+            let place = mesh.vertices[v as usize];
+            std::array::from_fn(|axis| place[axis] / h[axis] - lattice.first[axis])
+        };
         let mut crossings = Vec::new();
-        for triangle in &mesh.triangles {
-            let corners = triangle.map(|v| vertices[v as usize]);
-            crossings_of(corners, |[y, z], crossing| {
+        for triangle in closed_triangles(mesh, h)? {
+            crossings_of(triangle.map(place), |[y, z], crossing| {
                 crossings.push((z as usize * dimensions[1] + y as usize, crossing));
             });
         }
         crossings.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.x.total_cmp(&b.1.x)));
         let starts =
             (0..=dimensions[2]).map(|z| crossings.partition_point(|c| c.0 < z * dimensions[1])).collect();
-        Ok(Self { grid, crossings, starts })
+        let voxelised = Self { grid, crossings, starts };
+        if voxelised.is_empty() {
+            return Err(VoxeliseError::NoVoxel { volume: mesh.volume().abs(), spacing: h });
+        }
+        Ok(voxelised)
+    }
+
+    /// Whether it has no voxel inside.
+    fn is_empty(&self) -> bool {
+        let mut rows = self.crossings.chunk_by(|a, b| a.0 == b.0);
+        rows.all(|row| runs(row).all(|run| run.is_empty()))
     }
 
     /// The lattice.
@@ -124,15 +89,7 @@ impl VoxelisedMesh {
         let [nx, ny, _] = self.grid.dimensions();
         for row in self.crossings[self.starts[z]..self.starts[z + 1]].chunk_by(|a, b| a.0 == b.0) {
             let y = row[0].0 - z * ny;
-            let mut winding = 0;
-            for pair in row.windows(2) {
-                winding += pair[0].1.winding;
-                if winding != 0 {
-                    // Centres from this crossing on, up to the next.
-                    let (from, to) = (pair[0].1.x.ceil() as usize, pair[1].1.x.ceil() as usize);
-                    voxels[y * nx + from..y * nx + to].fill(1);
-                }
-            }
+            runs(row).for_each(|run| voxels[y * nx + run.start..y * nx + run.end].fill(1));
         }
     }
 }
@@ -157,23 +114,49 @@ impl SlabReader for MeshSlabs<'_> {
     }
 }
 
-/// A surface has an inside where each edge is passed as often one way as the other; vertices count as one
-/// where they are at one place.
-fn check_closed(mesh: &Mesh) -> Result<(), VoxeliseError> {
-    let uses = Mesh { vertices: Vec::new(), triangles: merged_triangles(mesh) }.edge_uses();
-    let open = || uses.iter().filter(|((a, b), [up, down])| a != b && up != down);
-    let Some(vertex) = open().map(|((a, _), _)| *a).min() else { return Ok(()) };
-    let [x, y, z] = mesh.vertices[vertex as usize];
-    Err(VoxeliseError::Open { edges: open().count(), x, y, z })
+/// The voxels of a row that are inside: those whose centres lie from one crossing on up to the next.
+fn runs(row: &[(usize, Crossing)]) -> impl Iterator<Item = Range<usize>> {
+    let mut winding = 0;
+    row.windows(2).filter_map(move |pair| {
+        winding += pair[0].1.winding;
+        (winding != 0).then(|| pair[0].1.x.ceil() as usize..pair[1].1.x.ceil() as usize)
+    })
 }
 
-/// The triangles, whose corners are numbered by the first vertex at their place.
-fn merged_triangles(mesh: &Mesh) -> Vec<[u32; 3]> {
-    let mut firsts: HashMap<[u64; 3], u32> = HashMap::new();
-    let mut first = |number: u32| {
-        // Adding 0 makes -0 the same as 0.
-        let place = mesh.vertices[number as usize].map(|c| (c + 0.0).to_bits());
-        *firsts.entry(place).or_insert(number)
-    };
-    mesh.triangles.iter().map(|triangle| triangle.map(&mut first)).collect()
+/// First and last place along each axis that a triangle reaches, mm.
+fn ends(mesh: &Mesh) -> Result<[[f64; 2]; 3], VoxeliseError> {
+    if mesh.triangles.is_empty() {
+        return Err(VoxeliseError::Empty);
+    }
+    let mut ends = [[f64::INFINITY, f64::NEG_INFINITY]; 3];
+    for &number in mesh.triangles.as_flattened() {
+        let Some(place) = mesh.vertices.get(number as usize) else {
+            return Err(VoxeliseError::NoSuchVertex { number, count: mesh.vertices.len() });
+        };
+        if place.iter().any(|c| !c.is_finite()) {
+            return Err(VoxeliseError::NotFinite(number as usize));
+        }
+        for ([low, high], c) in ends.iter_mut().zip(place) {
+            (*low, *high) = (low.min(*c), high.max(*c));
+        }
+    }
+    Ok(ends)
+}
+
+/// Where voxels are needed, in units of the spacing.
+struct Lattice {
+    first: [f64; 3],
+    extent: [f64; 3],
+}
+
+fn lattice(ends: [[f64; 2]; 3], h: [f64; 3]) -> Result<Lattice, VoxeliseError> {
+    let widths = ends.map(|[low, high]| high - low);
+    if (0..3).all(|axis| widths[axis] < FEWEST * h[axis]) {
+        return Err(VoxeliseError::TooSmall { widths, spacing: h });
+    }
+    let margin = MARGIN as f64;
+    let first = std::array::from_fn(|axis| (ends[axis][0] / h[axis]).floor() - margin);
+    let extent = std::array::from_fn(|axis| (ends[axis][1] / h[axis]).ceil() + margin - first[axis] + 1.0);
+    check_made(extent.map(|n| n as usize)).map_err(|_| VoxeliseError::TooLarge { voxels: extent, widths })?;
+    Ok(Lattice { first, extent })
 }

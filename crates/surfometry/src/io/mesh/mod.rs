@@ -8,13 +8,13 @@ mod glb;
 mod little_endian;
 mod obj;
 mod ply;
-mod ply_reader;
-mod reader;
+mod readers;
 mod stl;
 mod vtp;
 
 pub use document::MeshDocument;
-pub use reader::{is_mesh, read_mesh};
+pub(crate) use readers::{MeshFile, read_mesh_file};
+pub use readers::{is_mesh, read_mesh};
 
 use super::write_whole;
 use std::io::{self, Write};
