@@ -2,6 +2,7 @@
 
 use super::{ExplainTopology, Plan};
 use crate::Measurement;
+use crate::inputs::Preparation;
 use crate::volume::{LabelGroup, LabelSelection};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -12,6 +13,8 @@ pub struct Settings {
     #[serde(flatten)]
     measurement: Measurement,
     spacing: Option<[f64; 3]>,
+    #[serde(default)]
+    preparation: Preparation,
     /// `None` where all labels are measured.
     label: Option<Vec<LabelGroup>>,
     per_component: bool,
@@ -25,6 +28,7 @@ impl Settings {
         Self {
             measurement: plan.measurement,
             spacing: plan.open.spacing,
+            preparation: plan.open.preparation,
             label: match &plan.labels {
                 LabelSelection::All => None,
                 LabelSelection::Groups(groups) => Some(groups.clone()),

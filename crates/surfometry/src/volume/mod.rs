@@ -18,6 +18,8 @@ mod field;
 mod grid;
 mod label_block;
 mod label_runs;
+#[cfg(feature = "io")]
+mod label_slabs;
 mod labels;
 mod mask;
 mod probability;
@@ -34,14 +36,18 @@ pub use field::{FieldImage, FieldValues};
 pub use grid::Grid;
 pub use label_block::{LabelBlock, LabelBlockBuilder};
 pub(crate) use label_runs::LabelRuns;
+#[cfg(feature = "io")]
+pub(crate) use label_slabs::{LabelRewrite, LabelSlabs};
 pub(crate) use labels::RunEncoder;
+#[cfg(feature = "io")]
+pub(crate) use labels::look_grey;
 pub use labels::{LabelImage, LabelSummary};
 pub use mask::Mask;
 pub(crate) use mask::{Place, ones};
 pub use probability::ProbabilityImage;
 pub(crate) use probability::TOLERANCE as PROBABILITY_TOLERANCE;
 #[cfg(feature = "io")]
-pub(crate) use samples::collected;
+pub(crate) use samples::{collected, for_samples};
 pub use samples::{Samples, Scalar, ScalarType};
 pub use selection::{LabelGroup, LabelSelection, ParseSelectionError};
 pub use shared::Shared;
