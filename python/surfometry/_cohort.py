@@ -13,7 +13,7 @@ from pathlib import Path
 from . import _core
 from ._errors import ParameterError
 from ._image import spacing_words
-from ._options import Labels, Length, chosen, options_of
+from ._options import Labels, Length, Threshold, chosen, options_of
 from ._session import Progress, session
 
 _ENDINGS = (".csv", ".json", ".jsonl", ".parquet")
@@ -59,6 +59,9 @@ def cohort(
     spacing: float | Sequence[float] | None = None,
     *,
     label: Labels | None = None,
+    threshold: Threshold | None = None,
+    fill_cavities: bool = False,
+    largest_component: bool = False,
     sigma: Length | None = None,
     thickness: Length | None = None,
     epsilon: float | None = None,
@@ -89,7 +92,8 @@ def cohort(
     out : path
         The table: ``.csv``, ``.json``, ``.jsonl``, or ``.parquet``, which takes pandas and pyarrow. It is written when all
         is measured. The journal is ``OUT.journal``, that of Parquet ``OUT.csv.journal``.
-    spacing, label, sigma, thickness, epsilon, level, embedding, derivatives, quadrature, delta, clip, padding, paper, explain, \
+    spacing, label, threshold, fill_cavities, largest_component, \
+sigma, thickness, epsilon, level, embedding, derivatives, quadrature, delta, clip, padding, paper, explain, \
 per_component, threads, progress
         As of `measure_labels`. A spacing replaces that of every file. Lengths for labels of their own are refused.
     resume : bool

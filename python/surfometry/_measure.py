@@ -16,7 +16,7 @@ from . import _core
 from ._adapters import image_of, readable
 from ._errors import InputError, ParameterError, SurfometryWarning
 from ._image import Image, names_of, spacing_words
-from ._options import Labels, Length, chosen, options_of
+from ._options import Labels, Length, Threshold, chosen, options_of
 from ._results import Flag, Measurement, flags_of, warn_of
 from ._session import Progress, Request, several_objects, session
 from ._surface import Surface, surface_of
@@ -61,6 +61,9 @@ def measure(
     spacing: float | Sequence[float] | None = None,
     *,
     label: Labels | None = None,
+    threshold: Threshold | None = None,
+    fill_cavities: bool = False,
+    largest_component: bool = False,
     sigma: Length | None = None,
     thickness: Length | None = None,
     epsilon: float | None = None,
@@ -94,6 +97,12 @@ def measure(
         `read`, (z, y, x). Images that know theirs need none, and this replaces it. A plain array needs one.
     label : int, str, tuple or list, optional
         Which label; a tuple of labels is one object.
+    threshold : tuple of two floats or None, optional
+        Grey values (low, high) that are the object, both inside, None being no bound: it becomes label 1.
+    fill_cavities : bool
+        Whether background that a label encloses becomes that label.
+    largest_component : bool
+        Whether of each label only the largest 26-connected piece is left, before cavities are filled.
     sigma, thickness : float, str or mapping, optional
         Blur and thickness of the band, mm; ``"auto"``; or a mapping from labels to such.
     epsilon : float, optional
@@ -157,6 +166,9 @@ def measure_labels(
     spacing: float | Sequence[float] | None = None,
     *,
     label: Labels | None = None,
+    threshold: Threshold | None = None,
+    fill_cavities: bool = False,
+    largest_component: bool = False,
     sigma: Length | None = None,
     thickness: Length | None = None,
     epsilon: float | None = None,
@@ -180,7 +192,8 @@ def measure_labels(
 
     Parameters
     ----------
-    image, spacing, label, sigma, thickness, epsilon, level, embedding, derivatives, quadrature, delta, clip, padding, paper, \
+    image, spacing, label, threshold, fill_cavities, largest_component, \
+sigma, thickness, epsilon, level, embedding, derivatives, quadrature, delta, clip, padding, paper, \
 explain, names, name, threads, progress
         As of `measure`. A list of labels measures these.
     per_component : bool
@@ -244,6 +257,9 @@ def sweep(
     *,
     over: str = "sigma",
     label: Labels | None = None,
+    threshold: Threshold | None = None,
+    fill_cavities: bool = False,
+    largest_component: bool = False,
     sigma: Length | None = None,
     thickness: Length | None = None,
     level: float | None = None,
@@ -261,7 +277,8 @@ def sweep(
 
     Parameters
     ----------
-    image, spacing, label, sigma, thickness, level, embedding, derivatives, quadrature, delta, clip, paper, name, threads, \
+    image, spacing, label, threshold, fill_cavities, largest_component, \
+sigma, thickness, level, embedding, derivatives, quadrature, delta, clip, paper, name, threads, \
 progress
         As of `measure`; what is swept is left out.
     values : sequence of floats
@@ -307,6 +324,9 @@ def reference(
     *,
     methods: Sequence[str] = (),
     label: Labels | None = None,
+    threshold: Threshold | None = None,
+    fill_cavities: bool = False,
+    largest_component: bool = False,
     name: str | None = None,
     threads: int | None = None,
     progress: Progress = None,
@@ -315,7 +335,7 @@ def reference(
 
     Parameters
     ----------
-    image, spacing, label, name, threads, progress
+    image, spacing, label, threshold, fill_cavities, largest_component, name, threads, progress
         As of `measure`.
     methods : sequence of str
         Names as of ``surfometry reference --method``; all by default.
@@ -346,6 +366,9 @@ def surface(
     *,
     curvature_sigma: float | str | None = "auto",
     label: Labels | None = None,
+    threshold: Threshold | None = None,
+    fill_cavities: bool = False,
+    largest_component: bool = False,
     sigma: Length | None = None,
     thickness: Length | None = None,
     level: float | None = None,
@@ -362,7 +385,8 @@ def surface(
 
     Parameters
     ----------
-    image, spacing, label, sigma, thickness, level, embedding, derivatives, clip, padding, paper, name, threads, progress
+    image, spacing, label, threshold, fill_cavities, largest_component, \
+sigma, thickness, level, embedding, derivatives, clip, padding, paper, name, threads, progress
         As of `measure`.
     curvature_sigma : float, {"auto", "local", "object"} or None
         Blur in mm of the corrected embedding in which curvature is that of the object as segmented, or how it is chosen:
@@ -412,6 +436,9 @@ def voxel_maps(
     quantities: str | Sequence[str] = "mean-curvature",
     curvature_sigma: float | str | None = None,
     label: Labels | None = None,
+    threshold: Threshold | None = None,
+    fill_cavities: bool = False,
+    largest_component: bool = False,
     sigma: Length | None = None,
     thickness: Length | None = None,
     level: float | None = None,
@@ -428,7 +455,8 @@ def voxel_maps(
 
     Parameters
     ----------
-    image, spacing, label, sigma, thickness, level, embedding, derivatives, clip, padding, paper, name, threads, progress
+    image, spacing, label, threshold, fill_cavities, largest_component, \
+sigma, thickness, level, embedding, derivatives, clip, padding, paper, name, threads, progress
         As of `measure`.
     quantities : str or sequence of str
         Of ``mean-curvature``, ``gaussian-curvature``, ``delta``, ``phi``, ``band``.
@@ -598,6 +626,9 @@ def report(
     title: str | None = None,
     curvature_sigma: float | str | None = None,
     label: Labels | None = None,
+    threshold: Threshold | None = None,
+    fill_cavities: bool = False,
+    largest_component: bool = False,
     sigma: Length | None = None,
     thickness: Length | None = None,
     level: float | None = None,
@@ -615,7 +646,8 @@ def report(
 
     Parameters
     ----------
-    image, spacing, label, sigma, thickness, level, embedding, derivatives, clip, padding, paper, names, name, threads, \
+    image, spacing, label, threshold, fill_cavities, largest_component, \
+sigma, thickness, level, embedding, derivatives, clip, padding, paper, names, name, threads, \
 progress
         As of `measure`; each object gets a section.
     output : path

@@ -11,6 +11,8 @@ from ._errors import ParameterError
 LabelKey: TypeAlias = int | str | tuple[int, ...]
 #: Labels: one, several (each an object), united ones in a tuple, or words such as ``"1,2+3"``.
 Labels: TypeAlias = LabelKey | Sequence[LabelKey]
+#: The grey values that are the object, (low, high), both inside; None is no bound. Or words, ``"226.."``.
+Threshold: TypeAlias = str | tuple[float | None, float | None]
 #: A length in mm, ``"auto"``, or lengths of labels of their own; those of all others under ``"all"``.
 Length: TypeAlias = float | str | Mapping[LabelKey, float | str]
 
@@ -25,7 +27,7 @@ def chosen(local: Mapping[str, object]) -> dict[str, object]:
     """The arguments that choose how objects are measured, under the names of the command line's options."""
     names = (
         "label", "sigma", "thickness", "epsilon", "level", "embedding", "derivatives", "quadrature", "delta", "clip",
-        "padding", "paper", "explain", "per_component",
+        "padding", "paper", "explain", "per_component", "threshold", "fill_cavities", "largest_component",
     )  # fmt: skip
     return {name: local[name] for name in names if name in local}
 
@@ -76,4 +78,16 @@ def _triple(name: str, value: object) -> str:
     return ",".join(_plain(name, part) for part in value)
 
 
-_WORDS = {"label": _labels, "sigma": _length, "thickness": _length, "spacing": _triple}
+def _range(name: str, value: object) -> str:
+    if isinstance(value, str):
+        return value
+    try:
+        low, high = value  # type: ignore[misc]
+    except (TypeError, ValueError) as error:
+        raise ParameterError(
+            f"{name}={value!r}: give two grey values, (low, high), both inside; None is no bound", field=name
+        ) from error
+    return "..".join("" if end is None else _plain(name, end) for end in (low, high))
+
+
+_WORDS = {"threshold": _range, "label": _labels, "sigma": _length, "thickness": _length, "spacing": _triple}

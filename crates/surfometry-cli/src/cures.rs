@@ -6,7 +6,8 @@ use surfometry::runs::{Cure, RunError};
 pub(crate) fn cure(error: &RunError) -> Option<&'static str> {
     match Cure::of(error)? {
         Cure::Spacing => Some("--spacing X,Y,Z"),
-        Cure::GivenEmbedding => Some("--embedding given"),
+        Cure::GivenEmbedding => Some("--threshold LOW..HIGH, or --embedding given"),
+        Cure::Threshold => Some("--threshold LOW..HIGH"),
         Cure::Label => Some("--label"),
         _ => None,
     }

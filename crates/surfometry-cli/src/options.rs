@@ -4,7 +4,7 @@ use crate::values::one_of;
 use anyhow::Result;
 use clap::{Args, ValueEnum};
 use std::path::{Path, PathBuf};
-use surfometry::inputs::OpenOptions;
+use surfometry::inputs::{OpenOptions, Preparation, Threshold};
 use surfometry::integrals::{QuadratureRule, Smearing};
 use surfometry::measurement::{Clip, CurvatureScale, Derivatives, EmbeddingKind, Padding};
 use surfometry::runs::words::{curvature_scale, fraction, padding, positive, spacing};
@@ -73,13 +73,38 @@ pub(crate) struct InputSelection {
     /// Voxel spacing in mm, fastest axis first: replaces the file's, or supplies what it lacks
     #[arg(long, value_name = "X,Y,Z", value_parser = spacing, allow_hyphen_values = true)]
     spacing: Option<Spacing>,
+    #[command(flatten)]
+    preparation: PreparationOptions,
 }
 
 impl InputSelection {
     /// A plan that asks for these objects.
     pub(crate) fn plan(&self) -> Plan {
-        let open = OpenOptions { spacing: self.spacing.map(|s| s.mm()) };
+        let (spacing, preparation) = (self.spacing.map(|s| s.mm()), self.preparation.chosen());
+        let open = OpenOptions { spacing, preparation };
         Plan { labels: self.label.clone(), open, ..Plan::default() }
+    }
+}
+
+/// What is done to the voxels before.
+#[derive(Debug, Clone, Copy, clap::Args)]
+pub(crate) struct PreparationOptions {
+    /// Grey values that are the object: LOW..HIGH, LOW.. or ..HIGH, both ends inside; it becomes label 1, all else background
+    #[arg(long, value_name = "LOW..HIGH", allow_hyphen_values = true)]
+    threshold: Option<Threshold>,
+    /// Leaves only the largest 26-connected piece of each label
+    #[arg(long)]
+    largest_component: bool,
+    /// Fills background that a label encloses: no way over voxels' faces leads from it to the edge of the image. After
+    /// --largest-component
+    #[arg(long)]
+    fill_cavities: bool,
+}
+
+impl PreparationOptions {
+    fn chosen(self) -> Preparation {
+        let Self { threshold, largest_component, fill_cavities } = self;
+        Preparation { threshold, largest_component, fill_cavities }
     }
 }
 
@@ -137,6 +162,7 @@ impl MeasureOptions {
         Choices {
             labels: self.selection.label.clone(),
             spacing: self.selection.spacing,
+            preparation: self.selection.preparation.chosen(),
             sigma: self.sigma.clone().unwrap_or_default(),
             thickness: self.thickness.clone().unwrap_or_default(),
             epsilon: self.epsilon,

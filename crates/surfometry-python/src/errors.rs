@@ -71,7 +71,8 @@ fn hint(input: Option<&Name>, error: &RunError) -> Option<&'static str> {
     let in_memory = input.is_some_and(|of| of.is_in_memory);
     match Cure::of(error) {
         Some(Cure::Spacing) => Some("spacing=, in mm, in the order of the array's axes"),
-        Some(Cure::GivenEmbedding) => Some("embedding=\"given\""),
+        Some(Cure::GivenEmbedding) => Some("threshold=(low, high), or embedding=\"given\""),
+        Some(Cure::Threshold) => Some("threshold=(low, high)"),
         Some(Cure::Label) => Some("label="),
         _ if in_memory && names_a_voxel(error) => {
             Some("voxels are named x first, which is the last axis of a plain array")
@@ -106,6 +107,7 @@ fn field(error: &RunError) -> Option<&'static str> {
             Cure::Spacing => Some("spacing"),
             Cure::GivenEmbedding => Some("embedding"),
             Cure::Label => Some("label"),
+            Cure::Threshold => Some("threshold"),
             _ => None,
         },
     }

@@ -20,7 +20,8 @@ pub(crate) fn read<'py>(
     options: Options,
     session: Session,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let open_options = OpenOptions { spacing: choices(py, &options)?.spacing.map(|spacing| spacing.mm()) };
+    let spacing = choices(py, &options)?.spacing.map(|spacing| spacing.mm());
+    let open_options = OpenOptions { spacing, ..OpenOptions::default() };
     let (source, samples) = session.run(py, &Held::Name(name.to_owned()), move |control, prepared| {
         let (_, source) = prepared.opened(&open_options)?;
         let samples = all_samples(&*source, control)?;

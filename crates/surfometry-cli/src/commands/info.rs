@@ -31,7 +31,7 @@ pub(crate) struct Args {
 
 pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
     let inputs = expand(&args.inputs);
-    let open = OpenOptions { spacing: args.spacing.map(|s| s.mm()) };
+    let open = OpenOptions { spacing: args.spacing.map(|s| s.mm()), ..OpenOptions::default() };
     let control = control(inputs.len(), Voice { quiet, memory: false });
     let mut documents = Documents::default();
     let outcome = Batch { inputs: &inputs, open, control: &control, cure }.run(&InfoTask, &mut documents)?;

@@ -19,6 +19,8 @@ pub enum FlagCode {
     ThicknessBelowSpacing,
     /// The largest spacing is more than 1.8 times the smallest.
     ThickSlices,
+    /// The image's axes are not perpendicular.
+    ShearedGrid,
     /// The band reaches where the blurred field saturates.
     ThicknessAboveBlur,
     /// The Gauss-Bonnet characteristic is far from an even integer.
@@ -67,6 +69,12 @@ pub enum FlagCode {
     SpacingConflict,
     /// The file holds more than its header needs.
     SurplusData,
+    /// The image has so many values, so mixed, that they are more likely grey values than labels.
+    GreyValues,
+    /// Pieces beside the largest were left out, as was asked.
+    PiecesDropped,
+    /// Cavities were filled, as was asked.
+    CavitiesFilled,
 }
 
 impl fmt::Display for FlagCode {

@@ -14,6 +14,7 @@ mod local_errors;
 mod occupancy_noise;
 mod scale;
 mod scale_choice;
+mod shear;
 mod soft_edges;
 mod terraces;
 mod uncertainty;
@@ -30,6 +31,7 @@ pub use scale::{
 };
 pub use scale_choice::local_scales;
 pub(crate) use scale_choice::{largest_agreeing, noise_factor, vertex_noise};
+pub(crate) use shear::{shear_errors, sheared};
 pub use soft_edges::SoftEdges;
 pub use terraces::Terraces;
 pub use uncertainty::{ErrorModel, IntegralErrors};

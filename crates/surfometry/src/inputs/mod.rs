@@ -8,17 +8,22 @@ mod file;
 mod mesh;
 mod names;
 mod phantom;
+mod preparation;
+mod prepared;
 mod slabs;
 
 pub use error::InputError;
 pub(crate) use names::known_stem;
 pub use names::{distinct_parts, grey_image_warning, input_title, with_parts};
+pub use preparation::{Changes, Preparation, Preparations, PreparedObject, Threshold, ThresholdError};
+pub use prepared::prepared;
 
 use crate::accuracy::Flag;
 use crate::phantoms::{Phantom, Truth};
 use crate::volume::{Grid, SlabReader};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// Something that can be measured: its lattice, its voxels as often as they are wanted, and what is known of
 /// it beside.
@@ -68,6 +73,11 @@ pub trait Source: Send + Sync {
     fn flags(&self) -> Vec<Flag> {
         Vec::new()
     }
+
+    /// What was done to its voxels, known once they were read; `None` where nothing is.
+    fn preparations(&self) -> Option<Arc<Preparations>> {
+        None
+    }
 }
 
 /// The voxels of a source.
@@ -87,6 +97,8 @@ pub struct HeaderFacts {
 pub struct OpenOptions {
     /// Spacing in mm, fastest axis first: replaces the input's, or supplies what it lacks.
     pub spacing: Option<[f64; 3]>,
+    /// What is done to its voxels before anything is measured of them.
+    pub preparation: Preparation,
 }
 
 /// Opens whatever a name stands for.
@@ -94,11 +106,12 @@ pub struct OpenOptions {
 /// # Errors
 /// [`InputError`] for whatever shows before its voxels are read.
 pub fn open(name: &str, options: &OpenOptions) -> Result<Box<dyn Source>, InputError> {
-    Ok(match Kind::of(name) {
+    let source: Box<dyn Source> = match Kind::of(name) {
         Kind::Phantom => Box::new(phantom::PhantomSource::open(name, options)?),
         Kind::Mesh => Box::new(mesh::MeshSource::open(Path::new(name), options)?),
         Kind::File => Box::new(file::FileSource::open(Path::new(name), options)?),
-    })
+    };
+    Ok(prepared(source, options.preparation))
 }
 
 /// What a name stands for.

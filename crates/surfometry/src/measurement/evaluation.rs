@@ -11,7 +11,9 @@ use super::result::{
 use super::setup::Setup;
 use super::voxels::VoxelCounts;
 use super::warnings::{Evidence, NarrowPlace, raise_flags};
-use crate::accuracy::{CompensationTerms, ErrorModel, Flag, FlagCode, band_variance, compensation_terms};
+use crate::accuracy::{
+    CompensationTerms, ErrorModel, Flag, FlagCode, band_variance, compensation_terms, shear_errors, sheared,
+};
 use crate::integrals::{Integrals, SurfaceIntegrals};
 use crate::surface::SurfaceSummary;
 use crate::topology::VoxelTopology;
@@ -108,6 +110,14 @@ impl Setup {
                 self.original(totals, surviving, terms, counted, exact_euler(&topology, open))
             }
             DescribedSurface::Blurred | DescribedSurface::Given => [blurred.values, SurfaceValues::default()],
+        };
+        let strain = self.grid.strain();
+        let standard_error = match surviving.filter(|_| strain > 0.0) {
+            Some(integrals) => {
+                let [area, mean] = shear_errors(strain, &integrals.surface);
+                standard_error.with(area, mean, &values)
+            }
+            None => standard_error,
         };
         if surface == DescribedSurface::Original {
             flags.extend(large_error(&values, &standard_error));
@@ -273,6 +283,7 @@ impl Setup {
         } else if touches_border {
             flags.push(touching(cuts, area, clip));
         }
+        flags.extend(sheared(&self.grid));
         if self.parameters.compensable_sigma().is_none() {
             flags.push(Flag::new(FlagCode::CompensationUndefined, without_compensation(embedding)));
         }

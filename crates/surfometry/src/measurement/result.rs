@@ -2,7 +2,7 @@
 
 use super::RecoverySummary;
 use super::{ClipSummary, LocatedChange, Parameters};
-use crate::accuracy::{CompensationTerms, Flag, IntegralErrors};
+use crate::accuracy::{CompensationTerms, Flag, IntegralErrors, of_average};
 use crate::choice::choices;
 use crate::integrals::{Globals, Integrals};
 use crate::surface::SurfaceSummary;
@@ -120,6 +120,26 @@ pub struct SurfaceValues {
 }
 
 impl SurfaceValues {
+    /// Standard errors with more of a cause that is independent of the others, of A and M, mm^2 and mm; `values` are those
+    /// that they are of.
+    #[must_use]
+    pub(super) fn with(self, area: f64, total_mean_curvature: f64, values: &Self) -> Self {
+        let more = |error: Option<f64>, of: f64| error.map(|error| libm::hypot(error, of));
+        let average = |values: &Self| {
+            let known = [values.surface_area_mm2?, values.total_mean_curvature_mm?];
+            Some(of_average(known, [area, total_mean_curvature], 0.0))
+        };
+        Self {
+            surface_area_mm2: more(self.surface_area_mm2, area),
+            total_mean_curvature_mm: more(self.total_mean_curvature_mm, total_mean_curvature),
+            average_mean_curvature_per_mm: self
+                .average_mean_curvature_per_mm
+                .zip(average(values))
+                .map(|(error, of)| libm::hypot(error, of)),
+            ..self
+        }
+    }
+
     /// Over phi = 0.
     pub(super) fn of(integrals: &Integrals) -> Self {
         let surface = &integrals.surface;

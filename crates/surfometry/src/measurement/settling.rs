@@ -60,13 +60,16 @@ impl Measured {
     pub(crate) fn is_doubtful(&self) -> bool {
         let spacing = self.grid.spacing_mm;
         let face = spacing.iter().product::<f64>().cbrt().powi(2);
-        // Of an object that the blur left nothing of, no more than its voxels are known.
-        let unknown = 2.0 * self.voxels.count as f64;
-        let faces = self.blurred.surface_area_mm2.map_or(unknown, |area| area / face);
         let most = match self.parameters.derivatives {
             Derivatives::Matched => MOST_FACES,
             Derivatives::Gaussian | Derivatives::FiniteDifference => MOST_FACES_CONVOLVED,
         };
+        // Of an object that the blur left nothing of, no more than its voxels are known.
+        let unknown = 2.0 * self.voxels.count as f64;
+        // Of stripes a voxel wide the band sees nothing, and of a checkerboard the mesh: there the error is the surface.
+        let others = [self.mesh.surface_area_mm2, self.standard_error.surface_area_mm2];
+        let largest = |area: f64| others.into_iter().flatten().fold(area, f64::max);
+        let faces = self.blurred.surface_area_mm2.map_or(unknown, |area| largest(area) / face);
         let feasible = self.voxels.count >= LEAST_VOXELS && faces <= most;
         feasible && self.flags.iter().any(|flag| DOUBTS.contains(&flag.code))
     }

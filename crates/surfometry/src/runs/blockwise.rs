@@ -113,6 +113,7 @@ impl Blockwise {
                 label: Some(label),
                 component: None,
                 truth: None,
+                preparation: None,
                 curvature_sigma_mm: None,
                 input_sha256: None,
                 read_seconds: None,

@@ -1,7 +1,7 @@
 //! What a caller says of a measurement, and the plan that it stands for: the defaults of every front end.
 
 use super::{LabelScales, Lengths, Plan, RunError};
-use crate::inputs::OpenOptions;
+use crate::inputs::{OpenOptions, Preparation};
 use crate::integrals::{QuadratureRule, Smearing};
 use crate::measurement::{Clip, CurvatureScale, Derivatives, EmbeddingKind, Measurement, Padding};
 use crate::volume::{LabelSelection, Spacing};
@@ -22,6 +22,8 @@ pub struct Choices {
     pub labels: LabelSelection,
     /// Spacing in mm, fastest axis first, in the place of the input's.
     pub spacing: Option<Spacing>,
+    /// What is done to the voxels before.
+    pub preparation: Preparation,
     /// Blur, mm.
     pub sigma: Lengths,
     /// Thickness of the band, mm.
@@ -55,7 +57,10 @@ impl Choices {
         let plan = Plan {
             measurement: self.measurement(),
             scales: LabelScales { sigma_mm: self.sigma.own(), thickness_mm: self.thickness.own() },
-            open: OpenOptions { spacing: self.spacing.map(|spacing| spacing.mm()) },
+            open: OpenOptions {
+                spacing: self.spacing.map(|spacing| spacing.mm()),
+                preparation: self.preparation,
+            },
             labels: self.labels.clone(),
             curvature,
             recover: self.embedding.is_none(),

@@ -75,11 +75,11 @@ impl Member for MadeCase {
 }
 
 /// Writes a cohort's labels and `truth.csv` into a folder, which is made where it is not there; bones that
-/// are there already, with their row in the table, are left as they are. `told` hears each bone's name before
-/// it is made.
+/// are there already, with their row in the table, are left as they are, also those that this cohort lacks: their rows
+/// stand behind its own. `told` hears each bone's name before it is made.
 ///
 /// # Errors
-/// [`RunError`].
+/// [`RunError`], also where `truth.csv` is there and is another table.
 pub fn write_cohort(
     folder: &Path,
     members: &[CohortMember],
@@ -108,15 +108,15 @@ fn write_members(
     let failed = |path: &Path, source: io::Error| RunError::Write { path: path.to_owned(), source };
     std::fs::create_dir_all(folder).map_err(|e| failed(folder, e))?;
     let table = folder.join("truth.csv");
-    let known = known_rows(&table);
+    let mut others = known_rows(&table, folder).map_err(|e| failed(&table, e))?;
     let (mut rows, mut files): (Vec<TruthRow>, Vec<CohortFile>) = (Vec::new(), Vec::new());
     for member in members {
         let (name, spec) = (member.name(), member.spec());
         told(&name);
         let input = format!("{name}.nii.gz");
         let path = folder.join(&input);
-        let row = known.iter().find(|row| row.phantom == spec && path.exists());
-        let truth = if let Some(row) = row {
+        let known = others.iter().position(|row| row.input == input).map(|at| others.remove(at));
+        let truth = if let Some(row) = known.filter(|row| row.phantom == spec) {
             let [volume, area, mean] = [row.volume_mm3, row.surface_area_mm2, row.total_mean_curvature_mm];
             Truth::new(volume, area, mean, row.euler_characteristic)
         } else {
@@ -135,21 +135,29 @@ fn write_members(
             phantom: spec,
         });
         // After each, so that a run that is stopped loses one.
-        write_rows(&table, &rows).map_err(|e| failed(&table, e))?;
+        write_rows(&table, rows.iter().chain(&others)).map_err(|e| failed(&table, e))?;
         files.push(CohortFile { path, truth });
     }
     Ok(files)
 }
 
-/// Rows of an earlier run; none where there is no table, or another one.
-fn known_rows(table: &Path) -> Vec<TruthRow> {
+/// Rows of earlier runs whose images still are there; none where there is no table.
+fn known_rows(table: &Path, folder: &Path) -> io::Result<Vec<TruthRow>> {
+    if !table.exists() {
+        return Ok(Vec::new());
+    }
     let rows = csv::Reader::from_path(table).map(|reader| reader.into_deserialize().collect());
-    rows.and_then(|rows: Result<Vec<TruthRow>, csv::Error>| rows).unwrap_or_default()
+    let rows: Vec<TruthRow> = rows.and_then(|rows: Result<_, csv::Error>| rows).map_err(|error| {
+        io::Error::other(format!(
+            "it is no table of an earlier run ({error}); choose another folder, or take it away"
+        ))
+    })?;
+    Ok(rows.into_iter().filter(|row| folder.join(&row.input).exists()).collect())
 }
 
-fn write_rows(table: &Path, rows: &[TruthRow]) -> io::Result<()> {
+fn write_rows<'a>(table: &Path, mut rows: impl Iterator<Item = &'a TruthRow>) -> io::Result<()> {
     let mut writer = csv::Writer::from_writer(Vec::new());
-    rows.iter().try_for_each(|row| writer.serialize(row))?;
+    rows.try_for_each(|row| writer.serialize(row))?;
     let bytes = writer.into_inner().map_err(csv::IntoInnerError::into_error)?;
     write_whole(table, |out| out.write_all(&bytes))
 }

@@ -17,7 +17,7 @@ const BOX: &[&str] = &["min_x", "min_y", "min_z", "max_x", "max_y", "max_z"];
 pub(super) type Group = (&'static str, &'static [&'static str]);
 
 /// Of a [`Record`](super::Record).
-pub(super) const RECORD: [Group; 22] = [
+pub(super) const RECORD: [Group; 24] = [
     ("", &["input", "label", "name", "component", "surface"]),
     ("", VALUES),
     ("standard_error", VALUES),
@@ -64,6 +64,11 @@ pub(super) const RECORD: [Group; 22] = [
     ("recovery", &["beside", "violated", "corrected", "left", "refused", "noise", "noisy"]),
     ("", &["flags"]),
     ("truth", TRUTH),
+    ("preparation_threshold", &["low", "high"]),
+    (
+        "preparation",
+        &["largest_component", "fill_cavities", "dropped_pieces", "dropped_voxels", "filled_voxels"],
+    ),
     ("", &["curvature_sigma_mm"]),
     ("", &["input_sha256", "read_seconds", "seconds"]),
 ];

@@ -12,7 +12,9 @@ use crate::volume::VolumeError;
 pub enum Cure {
     /// To say what the spacing is.
     Spacing,
-    /// To measure a field as one that is given.
+    /// To say which grey values are the object.
+    Threshold,
+    /// The same, or to measure a field as one that is given.
     GivenEmbedding,
     /// To choose among the labels that there are.
     Label,
@@ -32,6 +34,7 @@ impl Cure {
     fn of_volume(error: &VolumeError) -> Option<Self> {
         match error {
             VolumeError::MissingSpacing | VolumeError::InvalidSpacing { .. } => Some(Self::Spacing),
+            VolumeError::GreyValues { .. } => Some(Self::Threshold),
             VolumeError::Fractional { .. } => Some(Self::GivenEmbedding),
             VolumeError::NoSuchLabel { .. } => Some(Self::Label),
             _ => None,

@@ -2,11 +2,12 @@
 
 use super::ExplainTopology;
 use super::fingerprint::Fingerprint;
-use super::reading::{FileStamps, Watched, name_of};
+use super::object::prepared_flags;
+use super::reading::{FileStamps, Watched, grey_values, name_of};
 use super::{Item, Opened, Plan, Reading, Record, RunError, Task};
 use crate::inputs::open;
 use crate::measurement::{Measured, StageSeconds};
-use crate::volume::LabelGroup;
+use crate::volume::{LabelGroup, look_grey};
 use crate::{Control, Event};
 use rayon::prelude::*;
 use std::time::Instant;
@@ -92,15 +93,20 @@ impl MeasureTask {
         }
         let stages = results.iter().fold(StageSeconds::default(), |sum, (_, m)| sum.plus(&m.timings));
         self.tell_timings(input, [file, read - file], &stages);
-        let (flags, truth, names) = (source.flags(), source.truth(), source.label_names());
+        let (mut flags, truth, names) = (source.flags(), source.truth(), source.label_names());
+        let boxes = results.iter().map(|(_, m)| (m.voxels.count, m.voxels.box_voxels() as u64));
+        flags.extend(grey_values(results.len(), look_grey(boxes)));
+        let preparations = source.preparations();
         let record = |(label, mut measured): (LabelGroup, Measured)| {
-            measured.flags.splice(0..0, flags.iter().cloned());
+            let preparation = preparations.as_ref().map(|all| all.of(Some(&label)));
+            measured.flags.splice(0..0, flags.iter().cloned().chain(prepared_flags(preparation)));
             Record {
                 input: (*name).to_owned(),
                 name: name_of(&names, &label),
                 label: Some(label),
                 component: None,
                 truth,
+                preparation,
                 curvature_sigma_mm: None,
                 input_sha256: fingerprint.text(),
                 read_seconds: Some(read),

@@ -3,7 +3,7 @@
 use super::fingerprint::Fingerprint;
 use super::{ExplainTopology, Failure, Plan, Record, RunError};
 use crate::accuracy::Flag;
-use crate::inputs::input_title;
+use crate::inputs::{Preparations, PreparedObject, input_title};
 use crate::measurement::{Looked, Measured, Object, settled};
 use crate::phantoms::Truth;
 use crate::surface::Surface;
@@ -20,6 +20,8 @@ pub(super) struct InputFacts {
     /// Whether it holds several labels, so that an object's name needs its own.
     pub(super) many_labels: bool,
     pub(super) flags: Vec<Flag>,
+    /// What was done to its voxels.
+    pub(super) preparations: Option<Arc<Preparations>>,
     pub(super) read_seconds: f64,
     pub(super) explain: ExplainTopology,
     pub(super) control: Control,
@@ -113,16 +115,27 @@ impl InputObject {
         measured
     }
 
+    /// What was done to its voxels before.
+    fn preparation(&self) -> Option<PreparedObject> {
+        self.facts.preparations.as_ref().map(|all| all.of(self.label.as_ref()))
+    }
+
+    /// Warnings that come with its input, and with what was done to its voxels.
+    pub(super) fn input_flags(&self) -> impl Iterator<Item = Flag> {
+        self.facts.flags.iter().cloned().chain(prepared_flags(self.preparation()))
+    }
+
     /// Measures it.
     pub fn record(&self) -> Record {
         let mut measured = self.explained();
-        measured.flags.splice(0..0, self.facts.flags.iter().cloned());
+        measured.flags.splice(0..0, self.input_flags());
         Record {
             input: self.facts.input.clone(),
             label: self.label.clone(),
             name: self.name.clone(),
             component: self.component,
             truth: self.truth,
+            preparation: self.preparation(),
             curvature_sigma_mm: self.local.as_ref().and_then(|local| local.parameters().sigma_mm),
             input_sha256: self.facts.fingerprint.text(),
             read_seconds: Some(self.facts.read_seconds),
@@ -130,6 +143,11 @@ impl InputObject {
             measured,
         }
     }
+}
+
+/// Warnings that come with what was done to an object's voxels.
+pub(super) fn prepared_flags(preparation: Option<PreparedObject>) -> impl Iterator<Item = Flag> {
+    preparation.into_iter().flat_map(|prepared| prepared.flags())
 }
 
 /// Voxels that the blur puts on the other side up to which they are looked at without being asked: a share of
@@ -185,6 +203,7 @@ impl InputFacts {
             many_labels,
             fingerprint: Fingerprint::begin(&*input.source),
             flags: input.source.flags(),
+            preparations: input.source.preparations(),
             read_seconds,
             explain: plan.explain_topology,
             control: input.control.clone(),

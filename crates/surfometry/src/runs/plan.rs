@@ -107,6 +107,9 @@ impl Plan {
             kind if self.per_component && !kind.is_of_labels() => conflict(
                 "a field or soft segmentation has no labels whose pieces could be told apart: measure it as one object",
             ),
+            kind if !self.open.preparation.is_none() && !kind.is_of_labels() => conflict(
+                "a threshold, the largest component and filled cavities make a label image: leave them out, or measure that in another embedding",
+            ),
             kind if !self.scales.is_empty() && !kind.is_of_labels() => conflict(
                 "a field or soft segmentation has no labels: give one blur and one thickness for the whole",
             ),

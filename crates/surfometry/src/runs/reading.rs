@@ -3,6 +3,7 @@
 use super::fingerprint::Fingerprint;
 use super::object::InputFacts;
 use super::{InputObject, Opened, Plan, RunError};
+use crate::accuracy::{Flag, FlagCode};
 use crate::inputs::{InputError, Source};
 use crate::measurement::{CurvatureScale, EmbeddingKind, MeasureError, Measured};
 use crate::phantoms::Truth;
@@ -66,7 +67,11 @@ impl<'a> Reading<'a> {
         };
         let many_labels =
             matches!(&content, Content::Labels(labelled) if labelled.image.summaries().len() > 1);
-        let facts = Arc::new(InputFacts::new(input, plan, many_labels, start.elapsed().as_secs_f64()));
+        let mut facts = InputFacts::new(input, plan, many_labels, start.elapsed().as_secs_f64());
+        if let Content::Labels(labelled) = &content {
+            facts.flags.extend(grey_values(labelled.image.summaries().len(), labelled.image.looks_grey()));
+        }
+        let facts = Arc::new(facts);
         Ok(Self { plan, control: input.control, facts, content })
     }
 
@@ -82,6 +87,7 @@ impl<'a> Reading<'a> {
             input: name.to_owned(),
             many_labels: image.summaries().len() > 1,
             flags: Vec::new(),
+            preparations: None,
             read_seconds: 0.0,
             explain: plan.explain_topology,
             control: control.clone(),
@@ -222,6 +228,15 @@ fn field(
         ));
     }
     Ok(Arc::new(FieldImage::from_slabs(slabs)?))
+}
+
+/// The warning of an image whose labels are none.
+pub(super) fn grey_values(labels: usize, looks_grey: bool) -> Option<Flag> {
+    let message = format!(
+        "the image has {labels} values, which lie all over it: grey values rather than labels, as where an object keeps them and all else is 0; say \
+         with a threshold which are the object, and fill the cavities that values of 0 leave in it"
+    );
+    looks_grey.then(|| Flag::new(FlagCode::GreyValues, message))
 }
 
 /// The voxels of each selected object of an input that is read as a whole, one after the other.

@@ -2,6 +2,7 @@
 
 use super::columns::{RECORD, columns};
 use super::{Row, RunError};
+use crate::inputs::PreparedObject;
 use crate::measurement::Measured;
 use crate::phantoms::Truth;
 use crate::volume::LabelGroup;
@@ -27,6 +28,9 @@ pub struct Record {
     /// Exact integrals, for phantoms; `None` of anything else.
     #[serde(default)]
     pub truth: Option<Truth>,
+    /// What was done to its voxels before; `None` where nothing was.
+    #[serde(default)]
+    pub preparation: Option<PreparedObject>,
     /// Blur of the corrected embedding in which the surface is mapped, mm, where it is mapped in one of its
     /// own.
     #[serde(default)]

@@ -1,9 +1,10 @@
 //! Objects by the classical methods.
 
 use super::columns::{REFERENCE, columns};
+use super::object::prepared_flags;
 use super::reading::labelled_masks;
 use super::{Item, Opened, Plan, Row, RunError, Task};
-use crate::accuracy::{Flag, FlagCode, thick_slices};
+use crate::accuracy::{Flag, FlagCode, sheared, thick_slices};
 use crate::phantoms::Truth;
 use crate::reference_methods::{BoneValues, ReferenceMethod, ReferenceValues, SampleValues, cut_areas};
 use crate::volume::{LabelGroup, Mask};
@@ -71,11 +72,14 @@ impl Task for ReferenceTask<'_> {
     fn run(&self, input: &Opened, out: &mut dyn FnMut(Item<ReferenceRecord>)) -> Result<(), RunError> {
         let grid = *input.source.grid();
         let total_volume = grid.index_box().voxels() as f64 * grid.spacing().cell_volume();
-        let truth = input.source.truth();
         let methods: Vec<_> =
             self.methods.iter().map(|&method| (method, method.prepared(grid.spacing()))).collect();
-        for (label, mask) in labelled_masks(input, &self.plan)? {
-            let of_object: Vec<Flag> = input.source.flags().into_iter().chain(object_flags(&mask)).collect();
+        let masks = labelled_masks(input, &self.plan)?;
+        let truth = input.source.truth();
+        for (label, mask) in masks {
+            let prepared = input.source.preparations().map(|all| all.of(Some(&label)));
+            let of_input = input.source.flags().into_iter().chain(prepared_flags(prepared));
+            let of_object: Vec<Flag> = of_input.chain(object_flags(&mask)).collect();
             for (method, measure) in &methods {
                 input.control.check()?;
                 let values = measure(&mask);
@@ -106,7 +110,7 @@ fn object_flags(mask: &Mask) -> impl Iterator<Item = Flag> {
         );
         Flag::new(FlagCode::TouchesBorder, message)
     });
-    cut.into_iter().chain(thick_slices(mask.grid().spacing()))
+    cut.into_iter().chain(thick_slices(mask.grid().spacing())).chain(sheared(mask.grid()))
 }
 
 /// Smoothing leaves nothing of objects of a few voxels.

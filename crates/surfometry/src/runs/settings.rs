@@ -2,7 +2,7 @@
 
 use super::{ExplainTopology, LabelScales, Plan, ScaleLedger};
 use crate::Measurement;
-use crate::inputs::OpenOptions;
+use crate::inputs::{OpenOptions, Preparation};
 use crate::measurement::CurvatureScale;
 use crate::volume::{LabelGroup, LabelSelection};
 use serde::{Deserialize, Serialize};
@@ -14,6 +14,8 @@ pub struct Settings {
     #[serde(flatten)]
     measurement: Measurement,
     spacing: Option<[f64; 3]>,
+    #[serde(default)]
+    preparation: Preparation,
     /// `None` where all labels are measured.
     label: Option<Vec<LabelGroup>>,
     per_component: bool,
@@ -30,6 +32,7 @@ impl Settings {
         Self {
             measurement: plan.measurement,
             spacing: plan.open.spacing,
+            preparation: plan.open.preparation,
             label: match &plan.labels {
                 LabelSelection::All => None,
                 LabelSelection::Groups(groups) => Some(groups.clone()),
@@ -47,7 +50,7 @@ impl Settings {
             measurement: self.measurement,
             scales: self.scales.clone(),
             scale_ledger: ScaleLedger::default(),
-            open: OpenOptions { spacing: self.spacing },
+            open: OpenOptions { spacing: self.spacing, preparation: self.preparation },
             labels: self.label.clone().map_or(LabelSelection::All, LabelSelection::Groups),
             curvature: CurvatureScale::AsMeasured,
             per_component: self.per_component,

@@ -50,6 +50,12 @@ impl Affine {
         })
     }
 
+    /// Cosine of the angle between two image axes.
+    pub(crate) fn cosine(&self, first: usize, second: usize) -> f64 {
+        let (lengths, a, b) = (self.column_lengths(), self.column(first), self.column(second));
+        (0..3).map(|w| a[w] * b[w]).sum::<f64>() / (lengths[first] * lengths[second])
+    }
+
     /// The same directions and origin with other spacings.
     #[must_use]
     pub fn with_spacing(&self, spacing: [f64; 3]) -> Self {

@@ -52,10 +52,10 @@ pub enum VolumeError {
         "the index-to-world affine holds a value that is not finite; repair the header, or say what the spacing is"
     )]
     NonFiniteAffine,
-    /// Two image axes are not perpendicular in the world.
+    /// Two image axes are more than 1 degree from perpendicular in the world.
     #[error(
         "the affine is sheared: axes {first} and {second} meet at {degrees:.3} degrees; lengths and curvatures need \
-         perpendicular axes: resample the image to an orthogonal grid first"
+         axes within 1 degree of perpendicular: resample the image to an orthogonal grid first"
     )]
     Sheared {
         /// First axis.
@@ -160,6 +160,14 @@ pub enum VolumeError {
         index: [usize; 3],
         /// The value.
         value: f64,
+    },
+    /// So many values, so mixed, that they are no labels.
+    #[error(
+        "the image has {labels} values, which lie all over it: they look like grey values, not like labels; say which of them are the object: threshold it"
+    )]
+    GreyValues {
+        /// How many values there are beside 0.
+        labels: usize,
     },
     /// A label does not fit 64 signed bits.
     #[error("voxel {index:?} is {value}: labels must lie within -2^63 .. 2^63; relabel the image")]

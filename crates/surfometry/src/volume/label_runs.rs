@@ -135,7 +135,7 @@ impl LabelRuns {
         &self.slices[z - self.first_slice]
     }
 
-    fn row(&self, y: usize, z: usize) -> impl Iterator<Item = Run> + '_ {
+    pub(super) fn row(&self, y: usize, z: usize) -> impl Iterator<Item = Run> + '_ {
         self.slice(z).row(y - self.first_row)
     }
 

@@ -8,6 +8,7 @@ use crate::vectors;
 use fearless_simd::dispatch;
 use rayon::prelude::*;
 use std::collections::HashMap;
+use std::ops::Range;
 
 /// A label image: each voxel holds a whole number, 0 being background.
 ///
@@ -106,10 +107,40 @@ impl LabelImage {
         self.runs.mask(&codes, bounds)
     }
 
+    /// The labels that occur, background left out, ascending.
+    pub(crate) fn labels(&self) -> impl Iterator<Item = i64> + '_ {
+        self.summaries.iter().map(|summary| summary.label)
+    }
+
+    /// The runs of labels in a row, background left out, ascending.
+    pub(super) fn labelled_runs(&self, y: usize, z: usize) -> impl Iterator<Item = (Range<usize>, i64)> + '_ {
+        let labels = &self.labels;
+        self.runs.row(y, z).map(|run| (run.start as usize..run.end as usize, labels[run.code as usize]))
+    }
+
+    /// Whether there are so many values, so mixed, that they are more likely grey values than labels.
+    pub fn looks_grey(&self) -> bool {
+        look_grey(self.summaries.iter().map(|s| (s.voxels, s.bounds.voxels() as u64)))
+    }
+
     /// The label at an index.
     pub fn get(&self, index: [usize; 3]) -> i64 {
         self.labels[self.runs.code_at(index)]
     }
+}
+
+/// Labels from which on an image may be a grey one, and the share of the boxes around them that labels then have: each
+/// grey value lies all over the object.
+const GREY_LABELS: usize = 200;
+const GREY_SHARE: f64 = 0.01;
+
+/// Whether labels, of each the voxels and those of the box around it, are more likely grey values.
+pub(crate) fn look_grey(labels: impl ExactSizeIterator<Item = (u64, u64)>) -> bool {
+    if labels.len() < GREY_LABELS {
+        return false;
+    }
+    let sums = labels.fold((0.0, 0.0), |sums, (voxels, of)| (sums.0 + voxels as f64, sums.1 + of as f64));
+    sums.0 < GREY_SHARE * sums.1
 }
 
 /// Turns slabs into runs, and counts what occurs.

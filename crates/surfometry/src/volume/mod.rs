@@ -18,6 +18,8 @@ mod field;
 mod grid;
 mod label_block;
 mod label_runs;
+#[cfg(feature = "io")]
+mod label_slabs;
 mod label_table;
 mod labels;
 mod mask;
@@ -35,16 +37,20 @@ pub use field::{FieldImage, FieldValues};
 pub use grid::Grid;
 pub use label_block::{LabelBlock, LabelBlockBuilder};
 pub(crate) use label_runs::LabelRuns;
+#[cfg(feature = "io")]
+pub(crate) use label_slabs::{LabelRewrite, LabelSlabs};
 pub use label_table::{LabelEntry, LabelTable};
 pub(crate) use labels::RunEncoder;
+#[cfg(feature = "io")]
+pub(crate) use labels::look_grey;
 pub use labels::{LabelImage, LabelSummary};
 pub use mask::Mask;
 pub(crate) use mask::{Place, ones};
 pub use probability::ProbabilityImage;
 pub(crate) use probability::TOLERANCE as PROBABILITY_TOLERANCE;
-#[cfg(feature = "io")]
-pub(crate) use samples::collected;
 pub use samples::{Samples, Scalar, ScalarType};
+#[cfg(feature = "io")]
+pub(crate) use samples::{collected, for_samples};
 pub use selection::{LabelGroup, LabelSelection, ParseSelectionError};
 pub use shared::Shared;
 pub use slab::{Slab, SlabReader, slices_a_slab};
