@@ -65,6 +65,10 @@ fn every_variant_gives_the_same_numbers() {
     for name in ["femur_noform.nii.gz", "femur_spacings_only.nrrd"] {
         assert_same(name, &measured(&read_labels(data("femur").join(name)).unwrap()), &reference, 2e-6);
     }
+    // Scanco's have no directions.
+    for name in ["femur.AIM", "femur_i16.AIM"] {
+        assert_same(name, &measured(&read_labels(data("femur").join(name)).unwrap()), &reference, 2e-6);
+    }
     // Spacing is lost: the user gives it.
     let options = ReadOptions { spacing: Some([1.5, 2.0, 2.5]) };
     let found = measured(&read_labels_with(data("femur/femur.npy"), options).unwrap());
@@ -84,6 +88,9 @@ fn other_peoples_files() {
     }
     let gzipped = read_labels(data("original/BallBinary30x30x30_gz.nrrd")).unwrap();
     assert_eq!(gzipped.summaries()[0].voxels, 14_328);
+    let isq = read_labels(data("original/test_isq_calibrated_binary_25.ISQ")).unwrap();
+    assert_eq!(isq.summaries()[0].voxels, 547);
+    assert_eq!(isq.grid().spacing().mm(), [0.06; 3]);
     for name in ["spine_seg.nrrd", "liver_seg.nrrd"] {
         let image = read_labels(data("original").join(name)).unwrap();
         let label = image.summaries()[0].label;

@@ -1,7 +1,7 @@
 //! Names of the files that several objects are written to.
 
 use super::Kind;
-use crate::io::{Format, MeshFormat, PACKED};
+use crate::io::{Format, MeshFormat, PACKED, without_version};
 use std::collections::HashSet;
 use std::path::{Component, Path, PathBuf};
 
@@ -86,7 +86,8 @@ pub(crate) fn known_stem(name: &str) -> &str {
     let images = Format::ENDINGS.iter().flat_map(|(_, endings)| endings.iter());
     // `.surf.gii` before `.gii`.
     let endings = OTHERS.iter().chain(images).chain(&MeshFormat::EXTENSIONS);
-    let packed = PACKED.iter().find_map(|ending| before(name, ending)).unwrap_or(name);
+    let unversioned = without_version(name);
+    let packed = PACKED.iter().find_map(|ending| before(unversioned, ending)).unwrap_or(unversioned);
     endings.copied().find_map(|ending| before(packed, ending)).unwrap_or(name)
 }
 

@@ -104,6 +104,14 @@ pub enum ReadError {
         /// What the decoder said.
         source: io::Error,
     },
+    /// What holds voxels cannot be decoded.
+    #[error("{path}: the voxel data are damaged: {reason}; copy or export the file again", path = path.display())]
+    Damaged {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
+        reason: String,
+    },
     /// Compressed data that go on and on.
     #[error(
         "more than {surplus} bytes follow the {expected} of the voxels in the compressed data: the header does not describe them; export the file again"
@@ -127,6 +135,10 @@ impl ReadError {
     /// Out of what a reader of assembled voxels reported, which keeps it whole.
     pub(crate) fn of_read(source: io::Error) -> Result<Self, io::Error> {
         source.downcast::<Self>()
+    }
+
+    pub(crate) fn damaged(path: &std::path::Path, reason: &impl std::fmt::Display) -> Self {
+        Self::Damaged { path: path.to_owned(), reason: reason.to_string() }
     }
 }
 

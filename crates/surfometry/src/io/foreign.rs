@@ -4,7 +4,7 @@ use super::packed::read_start;
 use std::path::Path;
 
 /// How kinds of files begin, and their names for people.
-const MAGIC: [(&[u8], &str); 22] = [
+const MAGIC: [(&[u8], &str); 24] = [
     (b"PK\x03\x04", "a ZIP archive"),
     (
         b"version https://git-lfs",
@@ -33,6 +33,8 @@ const MAGIC: [(&[u8], &str); 22] = [
     (b"\x93NUMPY", "NumPy"),
     (b"# vtk DataFile", "legacy VTK"),
     (b"ObjectType", "MetaImage"),
+    (b"AIMDATA_V030", "Scanco AIM"),
+    (b"CTDATA-HEADER_V1", "Scanco ISQ"),
 ];
 
 /// Kinds that are told by what stands further on: at which byte.

@@ -15,20 +15,29 @@ pub enum Format {
     Nrrd,
     /// NumPy: .npy.
     Npy,
+    /// FreeSurfer: .mgh, .mgz.
+    Mgh,
+    /// Scanco AIM: .aim, also with a version behind it (`.AIM;1`).
+    Aim,
+    /// Scanco ISQ: .isq.
+    Isq,
 }
 
-const SUPPORTED: &str = "supported are NIfTI (.nii, .nii.gz, .hdr/.img), MetaImage (.mha, .mhd), NRRD (.nrrd, .nhdr) and NumPy (.npy)";
+const SUPPORTED: &str = "supported are NIfTI (.nii, .nii.gz, .hdr/.img), MetaImage (.mha, .mhd), NRRD (.nrrd, .nhdr), NumPy (.npy), FreeSurfer (.mgh, .mgz) and Scanco (.aim, .isq)";
 
 /// Endings of files that are compressed as a whole.
 pub(crate) const PACKED: [&str; 2] = [".gz", ".bz2"];
 
 impl Format {
     /// How names of its files end.
-    pub(crate) const ENDINGS: [(Self, &[&str]); 4] = [
+    pub(crate) const ENDINGS: [(Self, &[&str]); 7] = [
         (Self::Nifti, &[".nii", ".nii.gz", ".hdr", ".hdr.gz", ".img", ".img.gz"]),
         (Self::MetaImage, &[".mha", ".mhd"]),
         (Self::Nrrd, &[".nrrd", ".nhdr"]),
         (Self::Npy, &[".npy"]),
+        (Self::Mgh, &[".mgh", ".mgz"]),
+        (Self::Aim, &[".aim"]),
+        (Self::Isq, &[".isq"]),
     ];
 
     /// The format of a file, by its name.
@@ -68,9 +77,10 @@ impl Format {
     /// By the name's ending, in front of that of a file compressed as a whole.
     fn of_name(path: &Path) -> Option<Self> {
         let name = path.file_name()?.to_string_lossy().to_lowercase();
+        let name = without_version(&name);
         let of = |name: &str| Self::ENDINGS.iter().find(|(_, list)| list.iter().any(|e| name.ends_with(e)));
         let unpacked = PACKED.iter().find_map(|packed| name.strip_suffix(packed));
-        of(&name).or_else(|| of(unpacked?)).map(|(format, _)| *format)
+        of(name).or_else(|| of(unpacked?)).map(|(format, _)| *format)
     }
 
     /// Whether a name for people is that of the format.
@@ -85,6 +95,28 @@ impl Format {
             Self::MetaImage => "MetaImage",
             Self::Nrrd => "NRRD",
             Self::Npy => "NumPy",
+            Self::Mgh => "FreeSurfer MGH",
+            Self::Aim => "Scanco AIM",
+            Self::Isq => "Scanco ISQ",
         }
+    }
+
+    /// How many bytes the format itself may put behind the last voxel.
+    pub(super) fn trailer(self) -> u64 {
+        match self {
+            // Parameters of the scan and tags; data that belong to the image.
+            Self::Mgh | Self::Aim => u64::MAX,
+            // The rest of a block of VMS.
+            Self::Isq => 511,
+            _ => 0,
+        }
+    }
+}
+
+/// A name without the version that VMS puts behind it: `MASK.AIM;1`.
+pub(crate) fn without_version(name: &str) -> &str {
+    match name.rsplit_once(';') {
+        Some((stem, version)) if version.bytes().all(|b| b.is_ascii_digit()) => stem,
+        _ => name,
     }
 }

@@ -6,7 +6,7 @@ use super::{Format, ReadError};
 use crate::volume::{Affine, Grid, LabelTable, ScalarType, Spacing, VolumeError};
 use std::fs::File;
 use std::io::Seek;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 
 /// Order of the bytes of a number.
@@ -158,6 +158,28 @@ impl ImageHeader {
 }
 
 impl ImageHeader {
+    /// Of an image of which nothing else is known.
+    pub(crate) fn new(
+        path: &Path,
+        format: Format,
+        dimensions: [usize; 3],
+        scalar: ScalarType,
+        data: Voxels,
+    ) -> Self {
+        Self {
+            path: path.to_owned(),
+            format,
+            dimensions,
+            scalar,
+            affine: None,
+            stated_spacing: None,
+            unknown_unit: None,
+            other_spacing: None,
+            labels: LabelTable::default(),
+            data,
+        }
+    }
+
     /// Bytes that the voxels take.
     pub(crate) fn voxel_bytes(&self) -> u64 {
         self.dimensions.iter().map(|&n| n as u64).product::<u64>() * self.scalar.bytes() as u64
@@ -170,10 +192,15 @@ impl ImageHeader {
         let size = data.path.metadata().map_or(0, |metadata| metadata.len());
         match (data.encoding, data.offset) {
             (Encoding::Raw, DataOffset::Stored(start)) => {
-                size.saturating_sub(start).saturating_sub(self.voxel_bytes())
+                self.beyond_trailer(size.saturating_sub(start).saturating_sub(self.voxel_bytes()))
             }
             _ => 0,
         }
+    }
+
+    /// Of bytes behind the last voxel those that the format does not account for.
+    pub(crate) fn beyond_trailer(&self, bytes: u64) -> u64 {
+        if bytes > self.format.trailer() { bytes } else { 0 }
     }
 }
 

@@ -12,7 +12,10 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod aim;
+mod aim_voxels;
 mod assembled;
+mod binary_header;
 mod digest;
 mod encoding;
 mod error;
@@ -20,9 +23,11 @@ mod foreign;
 mod format;
 mod growing_file;
 mod header;
+mod isq;
 mod members;
 mod mesh;
 mod metaimage;
+mod mgh;
 mod nifti;
 mod nifti_writer;
 mod npy;
@@ -36,7 +41,7 @@ mod whole_file;
 pub(crate) use digest::{hash_of_file, sha256_text};
 pub use error::ReadError;
 pub use format::Format;
-pub(crate) use format::PACKED;
+pub(crate) use format::{PACKED, without_version};
 pub use growing_file::{GrowingFile, ResultOutput};
 pub use header::ImageHeader;
 pub use mesh::{MeshDocument, MeshFormat, is_mesh, mesh_paths, read_mesh, write_mesh};
@@ -91,6 +96,9 @@ pub fn read_header(path: impl AsRef<Path>) -> Result<ImageHeader, ReadError> {
         Format::MetaImage => metaimage::read_header(path),
         Format::Nrrd => nrrd::read_header(path),
         Format::Npy => npy::read_header(path),
+        Format::Mgh => mgh::read_header(path),
+        Format::Aim => aim::read_header(path),
+        Format::Isq => isq::read_header(path),
     };
     // Who cannot read it may say what it is instead.
     header.map_err(|error| match foreign::content(path) {

@@ -12,6 +12,8 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 const GZIP: &[u8] = &[0x1f, 0x8b];
+/// So far the end of a compressed file is looked for behind its voxels.
+const MOST_BEHIND: u64 = 1 << 28;
 /// A stream, a digit for its blocks' size, and how the first block begins.
 const BZIP2: (&[u8], &[u8]) = (b"BZh", &[0x31, 0x41, 0x59, 0x26, 0x53, 0x59]);
 
@@ -108,4 +110,55 @@ pub(crate) fn open_file(path: &Path) -> Result<(File, u64), ReadError> {
 /// Reads the start of a file, unpacked, at most `limit` bytes.
 pub(crate) fn read_start(path: &Path, limit: u64) -> Result<Vec<u8>, ReadError> {
     Ok(Packed::open(path)?.start(limit)?.0)
+}
+
+/// Some bytes of a file, counted as it is unpacked.
+pub(crate) struct PackedStretch {
+    path: PathBuf,
+    bytes: io::Take<BufReader<Box<dyn Read + Send>>>,
+}
+
+impl PackedStretch {
+    /// The bytes from `at` on, `size` of them.
+    pub(crate) fn open(path: &Path, at: u64, size: u64) -> Result<Self, ReadError> {
+        let whole = BufReader::new(Packed::open(path)?.into_reader()).take(at);
+        let mut stretch = Self { path: path.to_owned(), bytes: whole };
+        stretch.skip(at)?;
+        stretch.bytes.set_limit(size);
+        Ok(stretch)
+    }
+
+    /// Leaves bytes out.
+    pub(crate) fn skip(&mut self, bytes: u64) -> Result<(), ReadError> {
+        let skipped = io::copy(&mut self.bytes.by_ref().take(bytes), &mut io::sink());
+        skipped.map(drop).map_err(|e| ReadError::damaged(&self.path, &e))
+    }
+
+    /// The next bytes; `None` where there are fewer. Memory grows as they arrive.
+    pub(crate) fn bytes(&mut self, count: usize) -> Result<Option<Vec<u8>>, ReadError> {
+        let mut bytes = Vec::new();
+        let read = self.bytes.by_ref().take(count as u64).read_to_end(&mut bytes);
+        read.map_err(|e| ReadError::damaged(&self.path, &e))?;
+        Ok((bytes.len() == count).then_some(bytes))
+    }
+
+    /// The next few bytes; `None` where there are fewer.
+    pub(crate) fn array<const N: usize>(&mut self) -> Result<Option<[u8; N]>, ReadError> {
+        let mut array = [0; N];
+        match self.bytes.read_exact(&mut array) {
+            Ok(()) => Ok(Some(array)),
+            Err(e) if e.kind() == io::ErrorKind::UnexpectedEof => Ok(None),
+            Err(e) => Err(ReadError::damaged(&self.path, &e)),
+        }
+    }
+
+    /// Behind the last voxel: nothing may be left of the stretch, and the file is read to its end, where decoders
+    /// compare their checksums.
+    pub(crate) fn end(&mut self) -> Result<(), ReadError> {
+        if self.array::<1>()?.is_some() {
+            return Err(ReadError::damaged(&self.path, &"more of them than the header's voxels take"));
+        }
+        self.bytes.set_limit(MOST_BEHIND);
+        self.skip(MOST_BEHIND)
+    }
 }

@@ -102,7 +102,7 @@ impl VoxelStream {
         match io::copy(&mut self.voxels.by_ref().take(most), &mut io::sink()) {
             Ok(surplus) if surplus == most => Err(ReadError::Endless { expected, surplus }),
             Ok(surplus) => {
-                self.surplus.store(surplus, Ordering::Relaxed);
+                self.surplus.store(self.header.beyond_trailer(surplus), Ordering::Relaxed);
                 Ok(())
             }
             Err(source) => Err(ReadError::of_read(source)
