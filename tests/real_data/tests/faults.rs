@@ -1,6 +1,6 @@
 //! Small files that earlier versions got wrong; tests beside the code make others of each kind.
 
-use surfometry::io::{ReadOptions, read_labels};
+use surfometry::io::{ReadOptions, read_labels, read_labels_with};
 use surfometry_real_data::fault;
 
 fn refusal(name: &str) -> String {
@@ -65,4 +65,38 @@ fn what_cannot_be_is_refused() {
     let field = surfometry::io::read_field(fault("reliability/field_1e300.nii.gz"), ReadOptions::default());
     let refused = field.map(drop).unwrap_err().to_string();
     assert!(refused.contains("scale the field"), "{refused}");
+}
+
+/// Headers as other programs write them: 3885 voxels of 0.8 x 1 x 1.5 mm.
+#[test]
+#[cfg_attr(not(shared_data), ignore = "../shared/data is absent")]
+fn headers_of_other_programs_are_read() {
+    let spacing = [0.8, 1.0, 1.5];
+    for (name, told) in [
+        ("D6_singleton_4d_itk.nrrd", None),
+        ("D7_unit_pixel.nrrd", Some(spacing)),
+        ("D9_unit_Microns.nrrd", Some(spacing)),
+        ("D11_pair_magic_n+1.hdr", None),
+        ("D11_pair_magic_n+1.img", None),
+    ] {
+        let image = read_labels_with(fault(&format!("io/{name}")), ReadOptions { spacing: told }).expect(name);
+        assert_eq!(image.summaries()[0].voxels, 3885, "{name}");
+        for (found, stated) in image.grid().spacing().mm().iter().zip(spacing) {
+            assert!((found / stated - 1.0).abs() < 1e-6, "{name}: {found}");
+        }
+    }
+}
+
+#[test]
+#[cfg_attr(not(shared_data), ignore = "../shared/data is absent")]
+fn refusals_name_the_cause() {
+    for (name, words) in [
+        ("D7_unit_pixel.nrrd", "`pixel`"),
+        ("D13_channel_first.nii.gz", "is a channel"),
+        ("E8_rgb.nii.gz", "RGB24"),
+        ("E9_values_5e-5.nii.gz", "the largest value is 5.00e-5"),
+    ] {
+        let message = refusal(&format!("io/{name}"));
+        assert!(message.contains(words), "{name}: {message}");
+    }
 }
