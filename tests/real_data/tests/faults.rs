@@ -79,7 +79,8 @@ fn headers_of_other_programs_are_read() {
         ("D11_pair_magic_n+1.hdr", None),
         ("D11_pair_magic_n+1.img", None),
     ] {
-        let image = read_labels_with(fault(&format!("io/{name}")), ReadOptions { spacing: told }).expect(name);
+        let image =
+            read_labels_with(fault(&format!("io/{name}")), ReadOptions { spacing: told }).expect(name);
         assert_eq!(image.summaries()[0].voxels, 3885, "{name}");
         for (found, stated) in image.grid().spacing().mm().iter().zip(spacing) {
             assert!((found / stated - 1.0).abs() < 1e-6, "{name}: {found}");

@@ -33,8 +33,12 @@ impl Cure {
 
     fn of_volume(error: &VolumeError) -> Option<Self> {
         match error {
-            VolumeError::MissingSpacing | VolumeError::InvalidSpacing { .. } => Some(Self::Spacing),
-            VolumeError::GreyValues { .. } => Some(Self::Threshold),
+            VolumeError::MissingSpacing
+            | VolumeError::InvalidSpacing { .. }
+            | VolumeError::UnknownUnit { .. }
+            | VolumeError::UnlikelySpacing { .. }
+            | VolumeError::UnequalSpacing { .. } => Some(Self::Spacing),
+            VolumeError::GreyValues { .. } | VolumeError::FaintForeground { .. } => Some(Self::Threshold),
             VolumeError::Fractional { .. } => Some(Self::GivenEmbedding),
             VolumeError::NoSuchLabel { .. } => Some(Self::Label),
             _ => None,
