@@ -27,7 +27,7 @@ def shape():
 def check(path, shape, centre=CENTRE, times=1.0):
     """The voxels of it have the mesh's own volume, to what a lattice can, and its centroid."""
     (record,) = measure(path, "--spacing", SPACING)
-    assert record["voxels"]["volume_mm3"] == pytest.approx(times * shape.volume, rel=2e-3)
+    assert record["voxels"]["volume_mm3"] == pytest.approx(times * shape.volume, rel=3e-3)
     np.testing.assert_allclose(record["voxels"]["centroid_mm"], centre, atol=0.02)
     assert record["flags"] == []
 
@@ -156,7 +156,6 @@ def test_several_objects_in_one_file(tmp_path, shape):
     (tmp_path / "two_binary.stl").write_bytes(shape.export(file_type="stl") + other.export(file_type="stl"))
     both.export(tmp_path / "two.ply")
     trimesh.Scene([shape, other]).export(tmp_path / "two.glb")
-    (tmp_path / "two.vtp").parent.mkdir(exist_ok=True)
     pyvista.merge([poly_data(shape), poly_data(other)]).save(tmp_path / "two.vtp")
     for name in ["two.stl", "two_binary.stl", "two.ply", "two.glb", "two.vtp"]:
         check(tmp_path / name, shape, CENTRE + [20, 0, 0], 2.0)

@@ -405,3 +405,40 @@ fn failures_are_words_and_counted() {
     let said = text(&compared.stdout);
     assert_eq!(said.matches("2 rows more are of inputs that failed").count(), 2, "{said}");
 }
+
+/// Subjects in folders of one file name each, under a folder that is another one in each table: that one is left out, the
+/// subjects' folders stay, and what they are compared by is said nowhere as a doubt that is none.
+#[test]
+fn folders_tell_subjects_apart() {
+    let table = |name: &dyn Fn(u32) -> String, add: f64| -> String {
+        let row = |n: u32| format!("{},1,{}\n", name(n), f64::from(n) * 10.0 + add);
+        "input,label,volume_mm3\n".to_owned() + &(1..=4).map(row).collect::<String>()
+    };
+    let desk = Desk::new();
+    desk.write("standard.csv", &table(&|n| format!("manual/sub-0{n}/seg.nii.gz"), 0.0));
+    let names: [&dyn Fn(u32) -> String; 4] = [
+        &|n| format!("auto/sub-0{n}/seg.nii.gz"),
+        &|n| format!("/data/net 2/sub-0{n}/out/seg.nii.gz"),
+        &|n| format!("auto/sub-0{n}/seg.mha"),
+        &|n| format!("sub-0{n}/seg.nii.gz"),
+    ];
+    for name in names {
+        desk.write("method.csv", &table(name, 2.5));
+        let document = desk.document(&["method.csv", "standard.csv", "--column", "volume_mm3"]);
+        let agreement = &document["measures"][0]["agreement"];
+        assert_eq!(agreement["count"], 4, "{agreement}");
+        let bias = agreement["bland_altman"]["bias"]["value"].as_f64().unwrap();
+        assert!((bias - 2.5).abs() < 1e-12, "{}: {bias}", name(1));
+        assert!(!document.to_string().contains("without their folders"), "{document}");
+    }
+    // A subject of one table alone stays its own.
+    desk.write(
+        "method.csv",
+        &(table(names[0], 2.5) + "auto/sub-09/seg.nii.gz,1,90\nauto/sub-08/seg.nii.gz,1,80\n"),
+    );
+    let document = desk.document(&["method.csv", "standard.csv", "--column", "volume_mm3"]);
+    assert_eq!(document["only_method"].as_array().map(Vec::len), Some(2), "{document}");
+    // The same row twice is refused still.
+    desk.write("method.csv", &(table(names[0], 2.5) + "auto/sub-01/seg.nii.gz,1,90\n"));
+    assert!(desk.refused(&["method.csv", "standard.csv"]).contains("more than once"));
+}

@@ -439,3 +439,58 @@ fn empty_files_and_empty_meshes() {
         assert!(measured(name, text).contains("it has no triangles"), "{name}");
     }
 }
+
+/// Numbers of one sequence, for damage that is the same at every run.
+struct Dice(u64);
+
+impl Dice {
+    fn below(&mut self, end: usize) -> usize {
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (self.0 >> 33) as usize % end.max(1)
+    }
+}
+
+/// Damage of every kind at any place: an error in words or a mesh, no panic, no hang, no memory for what is not there.
+#[test]
+fn damaged_files_of_every_format() {
+    let folder = Folder::new();
+    let mesh = folder.read("a.stl", binary_solid("", 12));
+    let written = |name: &str| {
+        let path = folder.0.path().join(name);
+        write_mesh(&path, &MeshDocument { mesh: &mesh, arrays: &[], colors: None, title: "test" }).unwrap();
+        (name.to_owned(), std::fs::read(&path).unwrap())
+    };
+    let mut files: Vec<(String, Vec<u8>)> =
+        ["a.stl", "a.ply", "a.obj", "a.vtp", "a.surf.gii", "a.glb"].map(written).into();
+    files.push(("a.stl".to_owned(), text_solid(" a", "\n").into()));
+    files.push(("a.ply".to_owned(), ply("ascii", true).into()));
+    files.push(("a.vtk".to_owned(), vtk("a", &format!("POLYGONS 6 30\n{}", faces(0))).into()));
+    files.push(("a.off".to_owned(), format!("OFF\n8 6 0\n{}{}", places(), faces(0)).into()));
+    let mut dice = Dice(1);
+    let start = std::time::Instant::now();
+    for (name, whole) in &files {
+        for _ in 0..400 {
+            let mut bytes = whole.clone();
+            for _ in 0..=dice.below(3) {
+                let at = dice.below(bytes.len());
+                match dice.below(6) {
+                    0 => bytes.truncate(at),
+                    1 => bytes[at..].iter_mut().take(1).for_each(|byte| *byte ^= 1 << (at % 8)),
+                    2 => drop(bytes.splice(at..at, *b"4294967295")),
+                    3 => drop(bytes.splice(at..at, *b" -1 ")),
+                    4 => bytes[at..].iter_mut().take(4).for_each(|byte| *byte = 0xff),
+                    _ => {
+                        let end = at + dice.below(40).min(bytes.len() - at);
+                        drop(bytes.splice(at..end, *b"\n"));
+                    }
+                }
+            }
+            let path = folder.write(name, &bytes);
+            let source = open(path.to_str().unwrap(), &OpenOptions { spacing: Some([1.0, 1.5, 2.0]) });
+            if let Err(error) = source.map(drop) {
+                assert!(error.to_string().len() < 600, "{error}");
+            }
+        }
+    }
+    assert!(start.elapsed().as_secs() < 60, "{:?}", start.elapsed());
+}

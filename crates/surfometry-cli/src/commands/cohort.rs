@@ -2,8 +2,9 @@
 
 use super::ALL_DONE;
 use crate::console::progress_bar;
-use anyhow::Result;
+use anyhow::{Result, anyhow};
 use std::path::PathBuf;
+use surfometry::io::try_writing;
 use surfometry::phantoms::cohort;
 use surfometry::runs::write_cohort;
 
@@ -29,6 +30,10 @@ pub(crate) struct Args {
 }
 
 pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
+    // Before an hour's work.
+    std::fs::create_dir_all(&args.output)
+        .and_then(|()| try_writing(args.output.join("trial")))
+        .map_err(|error| anyhow!("{}: cannot be written: {error}", args.output.display()))?;
     let members = cohort(args.femurs, args.vertebrae);
     let progress = progress_bar(members.len(), quiet);
     write_cohort(&args.output, &members, |name| {

@@ -1,7 +1,7 @@
 //! `surfometry compare`.
 
 use super::ALL_DONE;
-use crate::output::{check_output, comparison_text, deliver, json_text, say};
+use crate::output::{check_output, comparison_text, deliver, json_text, plain, say};
 use crate::values::two_names;
 use anyhow::{Context, Result, anyhow, bail};
 use std::path::{Path, PathBuf};
@@ -82,7 +82,7 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
     for (output, made) in args.outputs.iter().zip(made) {
         made.write(output)?;
     }
-    deliver(&comparison_text(&comparison), None)?;
+    deliver(&plain(&comparison_text(&comparison)), None)?;
     Ok(ALL_DONE)
 }
 

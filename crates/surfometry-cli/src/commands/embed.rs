@@ -2,7 +2,7 @@
 
 use crate::console::{Voice, control};
 use crate::cures::cure;
-use crate::inputs::expand;
+use crate::inputs::{expand, input_name};
 use crate::options::MeasureOptions;
 use crate::output::{Layout, TableSink, TableStyle, check_output, digits, raised_text, status, with_scales};
 use anyhow::{Context, Result, bail};
@@ -25,7 +25,7 @@ use surfometry::runs::{Batch, EmbedTask, EmbeddedObject, FileLedger, MapFile};
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
     /// Files, patterns or phantoms
-    #[arg(required = true, value_name = "INPUT")]
+    #[arg(required = true, value_name = "INPUT", value_parser = input_name())]
     inputs: Vec<String>,
     /// Image to write; where there are several inputs, `_NAME` goes before the ending
     #[arg(short, long, value_name = "FILE.nii.gz")]

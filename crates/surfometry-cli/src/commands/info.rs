@@ -2,8 +2,8 @@
 
 use crate::console::{Voice, control};
 use crate::cures::cure;
-use crate::inputs::expand;
-use crate::output::{deliver, description_text, json_text, status};
+use crate::inputs::{expand, input_name};
+use crate::output::{deliver, description_text, json_text, plain, status};
 use anyhow::Result;
 use serde_json::{Value, json};
 use std::io;
@@ -19,7 +19,7 @@ use surfometry::volume::Spacing;
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
     /// Files, patterns or phantoms
-    #[arg(required = true, value_name = "INPUT")]
+    #[arg(required = true, value_name = "INPUT", value_parser = input_name())]
     inputs: Vec<String>,
     /// Voxel spacing in mm, fastest axis first: replaces the file's, or supplies what it lacks
     #[arg(long, value_name = "X,Y,Z", value_parser = spacing, allow_hyphen_values = true)]
@@ -36,10 +36,13 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
     let mut documents = Documents::default();
     let outcome = Batch { inputs: &inputs, open, control: &control, cure }.run(&InfoTask, &mut documents)?;
     let documents = documents.0;
-    let text =
-        if args.json { json_text(&documents)? } else { documents.iter().map(description_text).collect() };
+    let text = if args.json { json_text(&documents)? } else { documents.iter().map(plain_text).collect() };
     deliver(&text, None)?;
     Ok(status(outcome))
+}
+
+fn plain_text(document: &Value) -> String {
+    plain(&description_text(document)).into_owned()
 }
 
 /// A document an input, in their order.

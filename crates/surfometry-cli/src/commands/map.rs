@@ -2,7 +2,7 @@
 
 use crate::console::{Voice, control};
 use crate::cures::cure;
-use crate::inputs::expand;
+use crate::inputs::{expand, input_name};
 use crate::options::{CurvatureOptions, MeasureOptions};
 use crate::output::{MapSink, check_output, deliver, status, with_scales};
 use crate::picture_options::{PictureOptions, distinct};
@@ -25,7 +25,7 @@ use surfometry::runs::{Batch, FileLedger, MapFile, MapStyle, MapTask, Plan, Sett
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
     /// Files, patterns or phantoms
-    #[arg(required = true, value_name = "INPUT")]
+    #[arg(required = true, value_name = "INPUT", value_parser = input_name())]
     inputs: Vec<String>,
     /// File to write; may be given several times
     #[arg(short, long, value_name = "FILE")]

@@ -2,7 +2,7 @@
 
 use crate::console::{Voice, control};
 use crate::cures::cure;
-use crate::inputs::expand;
+use crate::inputs::{expand, input_name};
 use crate::journal_options::JournalOptions;
 use crate::options::{MeasureOptions, OutputOptions};
 use crate::output::{check_output, record_tables, say_sigmas, status, with_scales, write_results};
@@ -27,7 +27,7 @@ use surfometry::runs::{
 #[expect(clippy::struct_excessive_bools, reason = "each is a switch of the command line")]
 pub(crate) struct Args {
     /// Files, patterns or phantoms
-    #[arg(required = true, value_name = "INPUT")]
+    #[arg(required = true, value_name = "INPUT", value_parser = input_name())]
     inputs: Vec<String>,
     #[command(flatten)]
     options: MeasureOptions,

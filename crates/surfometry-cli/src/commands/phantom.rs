@@ -24,6 +24,7 @@ pub(crate) fn run(args: &Args) -> Result<u8> {
     let spec = format!("phantom:{name}");
     let truth_path = truth_path(&args.output)?;
     check_output(Some(&args.output), &[])?;
+    check_output(Some(&truth_path), &[])?;
     let source = open(&spec, &OpenOptions::default()).with_context(|| spec.clone())?;
     let slabs = source.slabs().and_then(|mut slabs| LabelImage::from_slabs(&mut slabs));
     let image = slabs.with_context(|| spec.clone())?;

@@ -2,7 +2,7 @@
 
 use crate::console::{Voice, control};
 use crate::cures::cure;
-use crate::inputs::expand;
+use crate::inputs::{expand, input_name};
 use crate::options::{InputSelection, OutputOptions};
 use crate::output::{Layout, TableStyle, check_output, digits, raised_text, write_results};
 use anyhow::Result;
@@ -18,7 +18,7 @@ use surfometry::runs::{Batch, ReferenceRecord, ReferenceTask, Settings};
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
     /// Files, patterns or phantoms
-    #[arg(required = true, value_name = "INPUT")]
+    #[arg(required = true, value_name = "INPUT", value_parser = input_name())]
     inputs: Vec<String>,
     /// Method; may be given several times [default: all]
     #[arg(long = "method", value_name = "NAME", value_parser = clap::builder::PossibleValuesParser::new(METHODS.map(|m| m.name())))]

@@ -3,7 +3,7 @@
 use super::SOME_FAILED;
 use crate::console::{Voice, before_the_end, control};
 use crate::cures::cure;
-use crate::inputs::expand;
+use crate::inputs::{expand, input_name};
 use crate::options::{CurvatureOptions, MeasureOptions};
 use crate::output::{PageSink, check_output, say, status, with_scales};
 use anyhow::Result;
@@ -20,7 +20,7 @@ use surfometry::runs::Batch;
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
     /// Files, patterns or phantoms
-    #[arg(required = true, value_name = "INPUT")]
+    #[arg(required = true, value_name = "INPUT", value_parser = input_name())]
     inputs: Vec<String>,
     /// Page to write
     #[arg(short, long, value_name = "FILE.html")]

@@ -2,7 +2,7 @@
 
 use crate::console::{Voice, control};
 use crate::cures::cure;
-use crate::inputs::expand;
+use crate::inputs::{expand, input_name};
 use crate::options::{MeasureOptions, OutputOptions, Range};
 use crate::output::{check_output, sweep_tables, with_scales, write_results};
 use crate::picture_options::PictureOptions;
@@ -23,7 +23,7 @@ use surfometry::runs::{
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
     /// Files, patterns or phantoms
-    #[arg(required = true, value_name = "INPUT")]
+    #[arg(required = true, value_name = "INPUT", value_parser = input_name())]
     inputs: Vec<String>,
     /// What is swept
     #[arg(long, default_value = "sigma", value_parser = one_of::<SweptParameter>())]

@@ -20,12 +20,13 @@ pub(crate) use table::{Layout, digits, flags_text, raised_text, record_tables};
 pub(crate) use table_sink::{Legend, TableSink, TableStyle};
 pub(crate) use validation_table::{rivalry_table, validation_table};
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result, anyhow, bail};
 use serde::Serialize;
-use std::io::{ErrorKind, Write};
+use std::borrow::Cow;
+use std::io::{ErrorKind, IsTerminal, Write};
 use std::path::{Path, PathBuf};
-use surfometry::inputs::{OpenOptions, open};
-use surfometry::io::write_whole;
+use surfometry::inputs::{Kind, files_of};
+use surfometry::io::{try_writing, write_whole};
 
 /// A document as JSON, indented.
 pub(crate) fn json_text(document: &impl Serialize) -> Result<String> {
@@ -34,13 +35,17 @@ pub(crate) fn json_text(document: &impl Serialize) -> Result<String> {
 
 /// Says something on stderr. That it cannot be said, as on a full disk, is no reason to lose results.
 pub(crate) fn say(message: &str) {
-    // Names of files may hold anything, what a terminal takes for commands too.
+    let _ = writeln!(std::io::stderr(), "surfometry: {}", plain(message));
+}
+
+/// A text without what a terminal takes for commands, which names of files and texts in them may hold.
+pub(crate) fn plain(text: &str) -> Cow<'_, str> {
     let is_plain = |c: char| !c.is_control() || c == '\n' || c == '\t';
-    let plain: String = message
-        .chars()
-        .flat_map(|c| if is_plain(c) { vec![c] } else { c.escape_default().collect() })
-        .collect();
-    let _ = writeln!(std::io::stderr(), "surfometry: {plain}");
+    if text.chars().all(is_plain) {
+        return text.into();
+    }
+    let shown = |c: char| if is_plain(c) { c.to_string() } else { c.escape_default().to_string() };
+    text.chars().map(shown).collect()
 }
 
 /// Refuses, before anything is measured, an output that could not be written or that would replace an input.
@@ -53,44 +58,48 @@ pub(crate) fn check_output(file: Option<&Path>, inputs: &[String]) -> Result<()>
     if path.is_dir() {
         bail!("{}: a folder; name a file in it", path.display());
     }
-    // Its header's or its voxels' file; what cannot be opened has its own error later.
     let mut unfinished = path.as_os_str().to_owned();
     unfinished.push(".partial");
     let outputs: Vec<PathBuf> =
         [path, Path::new(&unfinished)].iter().filter_map(|path| path.canonicalize().ok()).collect();
-    if outputs.is_empty() {
-        return Ok(());
-    }
+    let is_output = |file: &PathBuf| file.canonicalize().is_ok_and(|file| outputs.contains(&file));
     let same = |input: &String| {
-        let is_there = |file: &PathBuf| file.canonicalize().is_ok_and(|i| outputs.contains(&i));
-        let own = is_there(&PathBuf::from(input));
-        let options = OpenOptions { spacing: Some([1.0; 3]), ..OpenOptions::default() };
-        let parts = || open(input, &options).is_ok_and(|source| source.files().iter().any(is_there));
-        own || (has_parts(input) && parts())
+        is_output(&PathBuf::from(input)) || (has_parts(input) && files_of(input).iter().any(is_output))
     };
-    match inputs.iter().find(|input| same(input)) {
-        Some(input) => {
-            bail!("{}: the output would replace the input {input}; choose another name", path.display())
-        }
-        None => Ok(()),
+    if let Some(input) = inputs.iter().find(|input| !outputs.is_empty() && same(input)) {
+        bail!("{}: the output would replace the input {input}; choose another name", path.display());
     }
+    try_writing(path).map_err(|error| anyhow!("{}: cannot be written: {error}", path.display()))
 }
 
-/// Whether a header's name says that its voxels are in another file.
+/// Whether an input's name says that it rests on further files: a header on its voxels, a mesh on its materials.
 fn has_parts(input: &str) -> bool {
     let name = input.to_lowercase();
-    [".mhd", ".nhdr", ".hdr", ".hdr.gz", ".img", ".img.gz"].iter().any(|ending| name.ends_with(ending))
+    let headers = [".mhd", ".nhdr", ".hdr", ".hdr.gz", ".img", ".img.gz"];
+    headers.iter().any(|ending| name.ends_with(ending)) || Kind::of(input) == Kind::Mesh
 }
 
 /// Prints to stdout (also for `-`), or writes a file, whole or not at all.
 pub(crate) fn deliver(text: &str, file: Option<&Path>) -> Result<()> {
     match file.filter(|p| *p != Path::new("-")) {
-        Some(path) => write_whole(path, |out| out.write_all(text.as_bytes()))
-            .with_context(|| format!("{}: cannot be written", path.display())),
-        None => match std::io::stdout().write_all(text.as_bytes()) {
-            // The reader went away, as `head` does: nothing is wrong.
-            Err(e) if e.kind() == ErrorKind::BrokenPipe => Ok(()),
-            outcome => outcome.context("stdout cannot be written"),
-        },
+        Some(path) => {
+            let written = write_whole(path, |out| out.write_all(text.as_bytes()));
+            written.or_else(|error| {
+                // What took hours to measure is not lost.
+                print(text)?;
+                Err(error).with_context(|| format!("{}: cannot be written; it is printed", path.display()))
+            })
+        }
+        None => print(text),
+    }
+}
+
+fn print(text: &str) -> Result<()> {
+    let mut stdout = std::io::stdout();
+    let shown = if stdout.is_terminal() { plain(text) } else { text.into() };
+    match stdout.write_all(shown.as_bytes()) {
+        // The reader went away, as `head` does: nothing is wrong.
+        Err(e) if e.kind() == ErrorKind::BrokenPipe => Ok(()),
+        outcome => outcome.context("stdout cannot be written"),
     }
 }

@@ -6,6 +6,7 @@ use crate::options::{OutputFormat, OutputOptions};
 use crate::output::say;
 use anyhow::{Context, Result, anyhow};
 use std::io::{self, ErrorKind, IsTerminal};
+use std::path::Path;
 use surfometry::io::ResultOutput;
 use surfometry::runs::{DocumentForm, Outcome, Row, ScaleLedger, Settings, SigmaRange, Sink};
 
@@ -40,7 +41,10 @@ pub(crate) fn write_results<R: Row>(
         Err(error) if error.kind() == ErrorKind::BrokenPipe && options.path().is_none() => Ok(0),
         Err(error) => {
             let name = options.path().map_or_else(|| "stdout".to_owned(), |path| path.display().to_string());
-            Err(error).with_context(|| format!("{name}: cannot be written"))
+            let kept = Some(format!("{name}.partial")).filter(|partial| Path::new(partial).is_file());
+            let kept =
+                kept.map_or_else(String::new, |partial| format!("; what was finished is in {partial}"));
+            Err(error).with_context(|| format!("{name}: cannot be written{kept}"))
         }
         Ok(outcome) => Ok(status(outcome)),
     }

@@ -1,5 +1,6 @@
 //! Results as tables for people, one an input, as soon as it is done.
 
+use super::plain;
 use std::io::{self, Write};
 use surfometry::io::ResultOutput;
 use surfometry::runs::{Failure, Sink};
@@ -53,7 +54,7 @@ impl<R> TableSink<R> {
         }
         if self.list_failures && !self.failures.is_empty() {
             let lines: Vec<String> = self.failures.iter().map(|failure| format!("  {failure}\n")).collect();
-            self.out.write_all(format!("\nnot measured:\n{}", lines.concat()).as_bytes())?;
+            self.out.write_all(format!("\nnot measured:\n{}", plain(&lines.concat())).as_bytes())?;
         }
         Ok(self.out)
     }
@@ -77,6 +78,7 @@ impl<R> Sink<R> for TableSink<R> {
         }
         let between = if self.tables == 0 { "" } else { "\n" };
         let text = (self.style.of_input)(&self.of_input);
+        let text = plain(&text);
         self.of_input.clear();
         self.tables += 1;
         self.out.write_all(format!("{between}{text}").as_bytes())?;

@@ -2,8 +2,8 @@
 
 use super::{ObjectKey, Row, Table, TableError};
 use crate::inputs::{Kind, known_stem};
-use std::collections::BTreeMap;
-use std::path::Path;
+use std::collections::{BTreeMap, HashSet};
+use std::path::{Component, Path};
 
 /// Rows of the same objects.
 #[derive(Debug, Clone, PartialEq)]
@@ -16,12 +16,16 @@ pub struct Matching<'a> {
     pub only_standard: Vec<ObjectKey>,
     /// Whether names are the same only without their endings.
     pub without_endings: bool,
+    /// Whether rows are told apart by the folders that both tables have.
+    pub by_folders: bool,
 }
 
 impl<'a> Matching<'a> {
     /// Matches by input, label and component, as far as both tables have them; where no input is in both
     /// tables, by the inputs' file names without their folders, and then without the endings of files that are
-    /// read or written, `.gz` around them too: other points are the names' own, as in `left.1.5mm`.
+    /// read or written, `.gz` around them too: other points are the names' own, as in `left.1.5mm`. Where file names alone
+    /// do not tell a table's rows apart, as `manual/sub-01/seg.nii.gz`, folders stay, but for those that all rows of
+    /// one table have and no row of the other.
     ///
     /// # Errors
     /// [`TableError::Twice`], [`TableError::NoMatch`].
@@ -35,12 +39,26 @@ impl<'a> Matching<'a> {
             label: if labels { key.label.clone() } else { String::new() },
             component: if components { key.component.clone() } else { String::new() },
         };
-        let ways: [(NameOf, bool); 3] = [(whole, false), (without_folder, false), (without_ending, true)];
-        for (input_of, without_endings) in ways {
-            let found = Self::by(method, standard, |key| known(key, input_of(&key.input)))?;
-            if !found.pairs.is_empty() {
-                return Ok(Self { without_endings, ..found });
+        let folders = Folders::new(method, standard);
+        let ways: [(&NameOf<'_>, [bool; 2]); 5] = [
+            (&str::to_owned, [false, false]),
+            (&|input| without_folder(input).to_owned(), [false, false]),
+            (&|input| folders.common(input, without_folder(input)), [false, true]),
+            (&|input| without_ending(input).to_owned(), [true, false]),
+            (&|input| folders.common(input, without_ending(input)), [true, true]),
+        ];
+        let mut twice = None;
+        for (input_of, [without_endings, by_folders]) in ways {
+            match Self::by(method, standard, |key| known(key, &input_of(&key.input))) {
+                Ok(found) if !found.pairs.is_empty() => {
+                    return Ok(Self { without_endings, by_folders, ..found });
+                }
+                Ok(_) => {}
+                Err(error) => twice = twice.or(Some(error)),
             }
+        }
+        if let Some(error) = twice {
+            return Err(error);
         }
         let first = |table: &Table| table.rows.first().map_or_else(String::new, |row| row.key.to_string());
         Err(TableError::NoMatch {
@@ -58,7 +76,8 @@ impl<'a> Matching<'a> {
         let shortened = inputs().next().filter(|_| self.without_endings);
         let mut names = inputs().map(|[own, _]| without_folder(own));
         let is_one_name = names.next().is_some_and(|first| names.all(|name| name == first));
-        let moved = inputs().find(|names| is_one_name && are_in_other_folders(*names));
+        let unsure = is_one_name && !self.by_folders;
+        let moved = inputs().find(|names| unsure && are_in_other_folders(*names));
         let told = [("endings", shortened), ("folders", moved)];
         let words = |(part, names): (&str, Option<[&str; 2]>)| {
             let [own, other] = names?;
@@ -81,6 +100,7 @@ impl<'a> Matching<'a> {
             only_method: Vec::new(),
             only_standard: Vec::new(),
             without_endings: false,
+            by_folders: false,
         };
         for row in &method.rows {
             match standards.remove(&name(&row.key)) {
@@ -120,10 +140,40 @@ fn are_in_other_folders(names: [&str; 2]) -> bool {
 }
 
 /// What of an input's name counts.
-type NameOf = fn(&str) -> &str;
+type NameOf<'a> = dyn Fn(&str) -> String + 'a;
 
-fn whole(input: &str) -> &str {
-    input
+/// Folders that only tell two tables apart, as `manual` and `auto`: all rows of one have them, and no row of the other.
+struct Folders<'a>(HashSet<&'a str>);
+
+impl<'a> Folders<'a> {
+    fn new(method: &'a Table, standard: &'a Table) -> Self {
+        let of = |table: &'a Table| -> Vec<HashSet<&'a str>> {
+            table.rows.iter().map(|row| folders(&row.key.input).collect()).collect()
+        };
+        let tables = [of(method), of(standard)];
+        let only = |own: usize| {
+            let others: HashSet<&str> = tables[1 - own].iter().flatten().copied().collect();
+            let first = tables[own].first().into_iter().flatten().copied();
+            let in_all = |folder: &&str| tables[own].iter().all(|row| row.contains(folder));
+            first.filter(in_all).filter(|folder| !others.contains(folder)).collect::<Vec<_>>()
+        };
+        Self([only(0), only(1)].concat().into_iter().collect())
+    }
+
+    /// A name with the other folders.
+    fn common(&self, input: &str, name: &str) -> String {
+        let kept = folders(input).filter(|folder| !self.0.contains(folder));
+        kept.chain([name]).collect::<Vec<_>>().join("/")
+    }
+}
+
+/// The names of the folders that a file lies in.
+fn folders(input: &str) -> impl Iterator<Item = &str> {
+    let parts = Path::new(input).parent().into_iter().flat_map(Path::components);
+    parts.filter_map(|part| match part {
+        Component::Normal(name) => name.to_str(),
+        _ => None,
+    })
 }
 
 fn without_folder(input: &str) -> &str {

@@ -3,6 +3,7 @@
 use super::TableError;
 use super::decimals::Decimals;
 use super::sheet::Sheet;
+use crate::runs::FORMULA;
 use csv::StringRecord;
 use serde::Serialize;
 use std::collections::{BTreeMap, HashMap, HashSet};
@@ -91,6 +92,11 @@ pub(super) fn whole_number_text(text: &str) -> String {
         None if is_missing(text) => String::new(),
         None => text.to_owned(),
     }
+}
+
+/// A name without the apostrophe that keeps spreadsheets from taking it for a formula.
+fn name_text(text: &str) -> &str {
+    text.strip_prefix('\'').filter(|name| name.starts_with(FORMULA)).unwrap_or(text)
 }
 
 /// A label as [`whole_number_text`] has it; of united ones each, in ascending order.
@@ -267,7 +273,7 @@ impl Table {
             }
             let cell = |column: &str| cell_of(&cells, &places, column);
             let key = ObjectKey {
-                input: if by_file { stem.clone() } else { cell(named).to_owned() },
+                input: if by_file { stem.clone() } else { name_text(cell(named)).to_owned() },
                 label: label_text(label.map_or("", cell)),
                 component: whole_number_text(cell("component")),
             };

@@ -26,6 +26,17 @@ impl MeshSource {
     }
 }
 
+/// The files that a mesh rests on.
+pub(super) fn files(path: &Path) -> Result<Vec<PathBuf>, InputError> {
+    Ok(with_those_beside(path, &read_mesh_file(path)?.beside))
+}
+
+/// A mesh can be read without its materials, which may be missing.
+fn with_those_beside(path: &Path, beside: &[PathBuf]) -> Vec<PathBuf> {
+    let there = beside.iter().map(PathBuf::as_path).filter(|file| file.is_file());
+    [path].into_iter().chain(there).map(Path::to_owned).collect()
+}
+
 impl Source for MeshSource {
     fn grid(&self) -> &Grid {
         self.voxels.grid()
@@ -44,9 +55,7 @@ impl Source for MeshSource {
     }
 
     fn files(&self) -> Vec<PathBuf> {
-        // A mesh can be read without its materials, which may be missing.
-        let beside = self.beside.iter().filter(|file| file.is_file());
-        [&self.path].into_iter().chain(beside).cloned().collect()
+        with_those_beside(&self.path, &self.beside)
     }
 
     fn flags(&self) -> Vec<Flag> {

@@ -14,7 +14,7 @@ mod slabs;
 
 pub use error::InputError;
 pub(crate) use names::known_stem;
-pub use names::{distinct_parts, grey_image_warning, input_title, with_parts};
+pub use names::{distinct_parts, grey_image_warning, input_title, shown_name, with_parts};
 pub use preparation::{Changes, Preparation, Preparations, PreparedObject, Threshold, ThresholdError};
 pub use prepared::prepared;
 
@@ -106,12 +106,28 @@ pub struct OpenOptions {
 /// # Errors
 /// [`InputError`] for whatever shows before its voxels are read.
 pub fn open(name: &str, options: &OpenOptions) -> Result<Box<dyn Source>, InputError> {
+    if names::shows_bytes(name) && !Path::new(name).exists() {
+        return Err(InputError::Unfit(
+            "the file's name is not UTF-8 (its odd bytes are shown as \\x..), and is not opened: rename the file",
+        ));
+    }
     let source: Box<dyn Source> = match Kind::of(name) {
         Kind::Phantom => Box::new(phantom::PhantomSource::open(name, options)?),
         Kind::Mesh => Box::new(mesh::MeshSource::open(Path::new(name), options)?),
         Kind::File => Box::new(file::FileSource::open(Path::new(name), options)?),
     };
     Ok(prepared(source, options.preparation))
+}
+
+/// The files that an input rests on, without its voxels being looked at: header, data, what a mesh names. Of what
+/// cannot be opened the one that is named.
+pub fn files_of(name: &str) -> Vec<PathBuf> {
+    let found = match Kind::of(name) {
+        Kind::Mesh => mesh::files(Path::new(name)),
+        _ => open(name, &OpenOptions { spacing: Some([1.0; 3]), ..OpenOptions::default() })
+            .map(|source| source.files()),
+    };
+    found.unwrap_or_else(|_| vec![PathBuf::from(name)])
 }
 
 /// What a name stands for.

@@ -3,10 +3,13 @@
 use super::Kind;
 use crate::io::{Format, MeshFormat, PACKED, without_version};
 use std::collections::HashSet;
+use std::ffi::OsStr;
 use std::path::{Component, Path, PathBuf};
 
 /// Endings of two parts, which a name is split before.
 const DOUBLE: [&str; 2] = [".nii.gz", ".surf.gii"];
+/// Endings of packed files, behind any other.
+const PACKED: [&str; 2] = [".gz", ".bz2"];
 
 /// A path with parts put in before its ending: `out.ply` with `L4` and `label-1` is `out_L4_label-1.ply`.
 pub fn with_parts<S: AsRef<str>>(path: &Path, parts: &[S]) -> PathBuf {
@@ -14,6 +17,23 @@ pub fn with_parts<S: AsRef<str>>(path: &Path, parts: &[S]) -> PathBuf {
     let (stem, ending) = split(&name);
     let inserted: String = parts.iter().flat_map(|part| ["_", part.as_ref()]).collect();
     path.with_file_name(format!("{stem}{inserted}{ending}"))
+}
+
+/// A file's name as text. Bytes that are none are shown as `\xE9`; [`open`](super::open) tells of such a name.
+pub fn shown_name(name: &OsStr) -> String {
+    let mut text = String::new();
+    for chunk in name.as_encoded_bytes().utf8_chunks() {
+        text += chunk.valid();
+        text.extend(chunk.invalid().iter().map(|byte| format!("\\x{byte:02X}")));
+    }
+    text
+}
+
+/// Whether a name shows bytes that were no text.
+pub(super) fn shows_bytes(name: &str) -> bool {
+    let is_byte =
+        |code: &str| code.get(..2).is_some_and(|code| u8::from_str_radix(code, 16).is_ok_and(|b| b > 127));
+    name.split("\\x").skip(1).any(is_byte)
 }
 
 /// An input's name for people: a file's without its folders, a phantom's whole.
@@ -69,16 +89,19 @@ pub fn distinct_parts(inputs: &[String]) -> Vec<Option<String>> {
 
 /// Stem and ending, the dot included.
 fn split(name: &str) -> (&str, &str) {
-    let lower = name.to_lowercase();
+    let lower = name.to_ascii_lowercase();
     let double =
         DOUBLE.iter().find(|ending| lower.ends_with(**ending)).map(|ending| name.len() - ending.len());
     // A leading dot hides a file and begins no ending.
-    let single = name.rfind('.').filter(|&at| at > 0);
+    let packed =
+        PACKED.iter().find_map(|ending| lower.strip_suffix(ending)).map_or(name, |stem| &name[..stem.len()]);
+    let single = packed.rfind('.').or(name.rfind('.')).filter(|&at| at > 0);
     double.or(single).filter(|&at| name.is_char_boundary(at)).map_or((name, ""), |at| name.split_at(at))
 }
 
 /// Endings of files that are read or written, beside those of images and meshes.
-const OTHERS: [&str; 9] = [".raw", ".surf.gii", ".tsv", ".json", ".jsonl", ".png", ".svg", ".html", ".htm"];
+const OTHERS: [&str; 11] =
+    [".raw", ".surf.gii", ".off", ".vtk", ".tsv", ".json", ".jsonl", ".png", ".svg", ".html", ".htm"];
 
 /// A name without the ending of a file that is read or written, and `.gz` around it. Nothing else is cut off: what
 /// follows a point may tell objects apart, as `S01.left` and `S01.right`.
@@ -109,6 +132,8 @@ mod tests {
         assert_eq!(with("map.NII.GZ", &["phi"]), "map_phi.NII.GZ");
         assert_eq!(with("x.surf.gii", &["label-2+3"]), "x_label-2+3.surf.gii");
         assert_eq!(with(".hidden", &["x"]), ".hidden_x");
+        assert_eq!(with("bone.v2.stl.gz", &["x"]), "bone.v2_x.stl.gz");
+        assert_eq!(with("bone.gz", &["x"]), "bone_x.gz");
     }
 
     #[test]
@@ -122,6 +147,16 @@ mod tests {
         assert_eq!(parts(&["a/L4.nii", "../b/L4.nii.gz", "L4.mha"]), ["a-L4", "b-L4", "L4"]);
         assert_eq!(parts(&["L4.nii", "L4.nii", "L4.mha"]), ["L4", "L4-2", "L4-3"]);
         assert_eq!(parts(&["phantom:ball?radius=3", "phantom:ball?radius=4"]), ["ball", "ball-2"]);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn names_that_are_no_text() {
+        use std::os::unix::ffi::OsStrExt;
+        let shown = shown_name(OsStr::from_bytes(b"M\xfcller \xc3\xa9.nii"));
+        assert_eq!(shown, "M\\xFCller \u{e9}.nii");
+        assert!(shows_bytes(&shown));
+        assert!(!shows_bytes("a\\x41.nii") && !shows_bytes("a\\x") && !shows_bytes("a\\x\u{e9}\u{e9}"));
     }
 
     #[test]

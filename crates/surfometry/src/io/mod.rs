@@ -48,7 +48,7 @@ pub use mesh::{MeshDocument, MeshFormat, is_mesh, mesh_paths, read_mesh, write_m
 pub(crate) use mesh::{MeshFile, read_mesh_file};
 pub use nifti_writer::{write_labels, write_voxel_map};
 pub use voxel_stream::VoxelStream;
-pub use whole_file::write_whole;
+pub use whole_file::{try_writing, write_whole};
 
 use crate::volume::{FieldImage, LabelImage};
 use std::path::Path;

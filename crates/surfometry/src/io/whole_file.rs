@@ -1,6 +1,7 @@
 //! Files that appear whole or not at all.
 
 use super::ResultOutput;
+use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
 use std::path::Path;
 
@@ -24,10 +25,32 @@ pub fn write_whole(
     }
 }
 
+/// Whether a file of that name could be written, before what is to be in it has been made: an existing one is opened,
+/// for a new one an empty file is made beside it and taken away.
+///
+/// # Errors
+/// Whatever the file system says.
+pub fn try_writing(path: impl AsRef<Path>) -> io::Result<()> {
+    let path = path.as_ref();
+    // Who reads a pipe would see it end.
+    if path.exists() && !path.is_file() {
+        return Ok(());
+    }
+    if path.exists() {
+        File::options().append(true).open(path)?;
+    }
+    // A new one takes its place.
+    let target = path.canonicalize().unwrap_or_else(|_| path.to_owned());
+    let mut name = target.file_name().unwrap_or_default().to_owned();
+    name.push(format!(".{}.trial", std::process::id()));
+    let trial = target.with_file_name(name);
+    File::create_new(&trial)?;
+    fs::remove_file(&trial)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::fs;
 
     #[test]
     fn replaces_on_success_only() {
@@ -44,6 +67,22 @@ mod tests {
         assert_eq!(fs::read(&path).unwrap(), b"third");
         assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
         assert!(write_whole(folder.path(), |_| Ok(())).is_err());
+    }
+
+    #[test]
+    fn what_can_be_written_is_known_before() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("file");
+        try_writing(&path).unwrap();
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
+        fs::write(&path, b"kept").unwrap();
+        try_writing(&path).unwrap();
+        assert_eq!(
+            (fs::read(&path).unwrap(), fs::read_dir(folder.path()).unwrap().count()),
+            (b"kept".to_vec(), 1)
+        );
+        assert!(try_writing(folder.path().join("none").join("file")).is_err());
+        assert!(try_writing("/proc/file").is_err());
     }
 
     #[cfg(unix)]

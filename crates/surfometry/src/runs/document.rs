@@ -225,7 +225,16 @@ impl<R: Row> Sink<R> for CsvSink<R> {
 fn cell(value: Value) -> String {
     match value {
         Value::Null => String::new(),
-        Value::String(text) => text,
+        Value::String(text) => text_cell(text),
         other => other.to_string(),
     }
 }
+
+/// A text that a spreadsheet takes for no formula: an apostrophe stands in front of one that would be.
+fn text_cell(text: String) -> String {
+    let formula = text.starts_with(FORMULA) && text.parse::<f64>().is_err();
+    if formula { format!("'{text}") } else { text }
+}
+
+/// How formulas begin, in one program or another.
+pub(crate) const FORMULA: [char; 6] = ['=', '+', '-', '@', '\t', '\r'];

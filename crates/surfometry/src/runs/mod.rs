@@ -52,6 +52,7 @@ pub use blockwise::{BlockRecord, Blockwise};
 pub use choices::Choices;
 pub use cohort_files::{CohortFile, write_cohort, write_zoo};
 pub use cure::Cure;
+pub(crate) use document::FORMULA;
 pub use document::{CsvSink, DocumentForm, JsonLinesSink, JsonSink, Row};
 pub use embed::{EmbedTask, EmbeddedObject};
 pub use error::RunError;

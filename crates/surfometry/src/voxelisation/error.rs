@@ -105,6 +105,6 @@ pub enum VoxeliseError {
 
 /// Sizes along three axes, in four digits.
 fn by(sizes: &[f64; 3]) -> String {
-    let digits = |size: &f64| format!("{:.3e}", size).parse::<f64>().unwrap_or(*size).to_string();
+    let digits = |size: &f64| format!("{size:.3e}").parse::<f64>().unwrap_or(*size).to_string();
     sizes.iter().map(digits).collect::<Vec<_>>().join(" x ")
 }

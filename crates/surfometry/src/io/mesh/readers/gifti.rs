@@ -42,7 +42,8 @@ fn values(array: Node<'_, '_>, file: usize) -> Outcome<Vec<f64>> {
     let text = child_text(array, "Data");
     let mut bytes = Vec::new();
     match attribute("Encoding") {
-        "ASCII" => return rows(text_numbers(&text)?, attribute("ArrayIndexingOrder")),
+        // A text has a line a row, whatever the order of bytes would be.
+        "ASCII" => return text_numbers(&text),
         "Base64Binary" => bytes = from_base64(text.as_bytes())?,
         // Named after gzip, the encoding is zlib's format.
         "GZipBase64Binary" => inflated(&from_base64(text.as_bytes())?, &mut bytes, file)?,
@@ -64,16 +65,16 @@ fn values(array: Node<'_, '_>, file: usize) -> Outcome<Vec<f64>> {
     if values.len() != stated {
         return Err(format!("an array has {} numbers where its dimensions say {stated}", values.len()));
     }
-    rows(values, attribute("ArrayIndexingOrder"))
+    Ok(rows(values, attribute("ArrayIndexingOrder")))
 }
 
 /// Threes of numbers one behind the other, which may be stored as three columns.
-fn rows(values: Vec<f64>, order: &str) -> Outcome<Vec<f64>> {
+fn rows(values: Vec<f64>, order: &str) -> Vec<f64> {
     if order != "ColumnMajorOrder" {
-        return Ok(values);
+        return values;
     }
     let count = values.len() / 3;
-    Ok((0..3 * count).map(|n| values[n / 3 + n % 3 * count]).collect())
+    (0..3 * count).map(|n| values[n / 3 + n % 3 * count]).collect()
 }
 
 fn child_text(node: Node<'_, '_>, name: &'static str) -> String {

@@ -5,6 +5,7 @@ use super::Outcome;
 use crate::volume::ScalarType;
 
 /// The number that the first bytes stand for; there must be enough of them.
+#[expect(clippy::cast_lossless, reason = "one macro for all types, of which some are too wide")]
 pub(super) fn number(scalar: ScalarType, order: ByteOrder, bytes: &[u8]) -> f64 {
     macro_rules! of {
         ($type:ty) => {{

@@ -8,7 +8,8 @@ use super::words::{Words, lines, shown};
 pub(super) fn read(bytes: &[u8]) -> Outcome<Surface> {
     let mut surface = Surface::default();
     lines(bytes).try_for_each(|line| surface.comment(line.rest()))?;
-    let mut rows = lines(bytes).map(without_comment).filter(|line| line.clone().next().is_some());
+    let mut rows =
+        lines(bytes).map(|line| without_comment(&line)).filter(|line| line.clone().next().is_some());
     let mut counts = row(rows.next(), "counts")?;
     // The word in front may be missing, or have a line of its own.
     if counts.clone().number().is_err() {
@@ -37,7 +38,7 @@ pub(super) fn read(bytes: &[u8]) -> Outcome<Surface> {
     }
 }
 
-fn without_comment(line: Words<'_>) -> Words<'_> {
+fn without_comment<'a>(line: &Words<'a>) -> Words<'a> {
     let text = line.rest();
     let end = text.iter().position(|&byte| byte == b'#').unwrap_or(text.len());
     line.with(&text[..end])

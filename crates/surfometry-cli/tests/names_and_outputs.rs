@@ -1,0 +1,216 @@
+//! Odd names of inputs, and outputs that cannot be written: nothing is left out in silence, nothing is overwritten,
+//! nothing is measured in vain.
+
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+use tempfile::TempDir;
+
+struct Desk(TempDir);
+
+impl Desk {
+    fn new() -> Self {
+        Self(tempfile::tempdir().unwrap())
+    }
+
+    fn path(&self, name: impl AsRef<Path>) -> PathBuf {
+        self.0.path().join(name)
+    }
+
+    /// A ball of a radius of 4 mm.
+    fn ball(&self, name: impl AsRef<Path>) {
+        let made = self.path("ball.nii");
+        if !made.exists() {
+            assert!(
+                self.run(&["phantom", "ball?radius=4&spacing=1,1,1.2", "-o", "ball.nii"]).status.success()
+            );
+        }
+        std::fs::create_dir_all(self.path(&name).parent().unwrap()).unwrap();
+        std::fs::copy(made, self.path(name)).unwrap();
+    }
+
+    fn run<S: AsRef<std::ffi::OsStr>>(&self, arguments: &[S]) -> Output {
+        let mut program = Command::new(env!("CARGO_BIN_EXE_surfometry"));
+        program.args(arguments).current_dir(self.0.path()).output().expect("the program runs")
+    }
+}
+
+fn document(output: &Output) -> Value {
+    serde_json::from_slice(&output.stdout).unwrap_or_else(|_| panic!("{}", text(&output.stderr)))
+}
+
+fn text(bytes: &[u8]) -> &str {
+    std::str::from_utf8(bytes).expect("UTF-8")
+}
+
+/// The inputs of a document's results, and its failures.
+fn named(document: &Value) -> (Vec<&str>, Vec<[&str; 2]>) {
+    let list = |name: &str| document[name].as_array().unwrap();
+    let results = list("results").iter().map(|row| row["input"].as_str().unwrap()).collect();
+    let failures =
+        list("failures").iter().map(|f| [f["input"].as_str().unwrap(), f["error"].as_str().unwrap()]);
+    (results, failures.collect())
+}
+
+/// A name that is no text, by a pattern or as the shell hands it on: it fails by its name, the others are measured.
+#[cfg(target_os = "linux")]
+#[test]
+fn names_that_are_no_text() {
+    use std::os::unix::ffi::OsStrExt;
+    let desk = Desk::new();
+    let odd = std::ffi::OsStr::from_bytes(b"in/b\xe9.nii");
+    desk.ball("in/a.nii");
+    desk.ball(Path::new(odd));
+    let (command, json) = (["measure".as_ref(), "--format".as_ref(), "json".as_ref()], "in/*.nii");
+    let by_pattern = [&command[..], &[json.as_ref()]].concat();
+    let by_shell = [&command[..], &["in/a.nii".as_ref(), odd]].concat();
+    for arguments in [by_pattern, by_shell] {
+        let output = desk.run(&arguments);
+        assert_eq!(output.status.code(), Some(1), "{}", text(&output.stderr));
+        let document = document(&output);
+        let (results, failures) = named(&document);
+        assert_eq!((results, failures[0][0]), (vec!["in/a.nii"], r"in/b\xE9.nii"));
+        assert!(
+            failures[0][1].contains("not UTF-8") && failures[0][1].contains("rename"),
+            "{}",
+            failures[0][1]
+        );
+    }
+    for command in ["info", "reference", "map"] {
+        let output = desk.run(
+            &[command.as_ref(), odd, "-o".as_ref(), "a.json".as_ref()]
+                [..if command == "info" { 2 } else { 4 }],
+        );
+        assert_eq!(output.status.code(), Some(1), "{command}");
+        assert!(text(&output.stderr).contains(r"in/b\xE9.nii: the file's name is not UTF-8"), "{command}");
+    }
+}
+
+/// Brackets in a folder's name are the name's where such a folder is there; `*` in the same pattern is none.
+#[test]
+fn patterns_and_names_with_brackets() {
+    let desk = Desk::new();
+    for name in ["data[1]/a.nii", "data[1]/b.nii", "data1/c.nii", "deep/er/d.nii", "deep/e.nii"] {
+        desk.ball(name);
+    }
+    for (pattern, expected) in [
+        ("data[1]/*.nii", vec!["data[1]/a.nii", "data[1]/b.nii"]),
+        ("data[1]/a.nii", vec!["data[1]/a.nii"]),
+        ("data[12]/?.nii", vec!["data1/c.nii"]),
+        ("d*1*/[bc].nii", vec!["data1/c.nii", "data[1]/b.nii"]),
+        ("deep/**/*.nii", vec!["deep/e.nii", "deep/er/d.nii"]),
+        ("./deep/*", vec!["deep/e.nii", "deep/er"]),
+    ] {
+        let output = desk.run(&["measure", pattern, "--format", "json"]);
+        let document = document(&output);
+        let (results, failures) = named(&document);
+        let found: Vec<&str> = results.into_iter().chain(failures.iter().map(|f| f[0])).collect();
+        let found: Vec<&str> = found.iter().map(|name| name.strip_prefix("./").unwrap_or(name)).collect();
+        assert_eq!(found, expected, "{pattern}");
+    }
+    let none = desk.run(&["measure", "data[2]/*.nii"]);
+    assert!(text(&none.stderr).contains("no file matches this pattern"), "{}", text(&none.stderr));
+}
+
+/// A terminal's commands in names are shown, not obeyed; a spreadsheet's formulas are words, and numbers numbers.
+#[test]
+fn names_that_terminals_and_spreadsheets_obey() {
+    let desk = Desk::new();
+    let red = "\u{1b}[31mred.nii";
+    desk.ball(red);
+    std::fs::write(desk.path("\u{1b}]0;broken.nii"), "no image").unwrap();
+    let inputs = [red, "\u{1b}]0;broken.nii"];
+    for command in
+        [&["measure"][..], &["info"], &["reference"], &["measure", "--format", "json"], &["info", "--json"]]
+    {
+        let output = desk.run(&[command, &inputs].concat());
+        assert!(text(&output.stdout).contains("[31mred.nii"), "{command:?}: {}", text(&output.stderr));
+        assert!(![&output.stdout, &output.stderr].iter().any(|bytes| bytes.contains(&0x1b)), "{command:?}");
+    }
+    for formula in ["=1+2.nii", "+a.nii", "-a.nii", "@a.nii"] {
+        desk.ball(formula);
+        let output = desk.run(&["measure", "--format", "csv", "--", formula]);
+        let mut rows = csv::Reader::from_reader(&output.stdout[..]);
+        let row = rows.records().next().unwrap().unwrap();
+        assert_eq!(&row[0], format!("'{formula}"));
+        std::fs::write(desk.path("a.csv"), &output.stdout).unwrap();
+        let names = format!("input,label,volume_mm3\n{formula},1,200\n");
+        std::fs::write(desk.path("b.csv"), names).unwrap();
+        let compared = desk.run(&["compare", "a.csv", "b.csv", "--column", "volume_mm3"]);
+        assert!(text(&compared.stdout).contains("volume_mm3"), "{}", text(&compared.stderr));
+    }
+    let output = desk.run(&["measure", "--format", "csv", "phantom:ball?radius=4&shift=-20,0,0"]);
+    let mut rows = csv::Reader::from_reader(&output.stdout[..]);
+    let place = rows.headers().unwrap().iter().position(|name| name == "voxels_centroid_mm_x").unwrap();
+    let x: f64 = rows.records().next().unwrap().unwrap()[place].parse().unwrap();
+    assert!((x + 20.0).abs() < 0.1, "{x}");
+}
+
+/// A file that an input rests on is no output: voxels of a header, materials of a mesh.
+#[test]
+fn what_inputs_rest_on_is_not_overwritten() {
+    let desk = Desk::new();
+    assert!(desk.run(&["map", "phantom:ball?radius=6", "-o", "a.obj", "-o", "a.ply"]).status.success());
+    let mesh = std::fs::read_to_string(desk.path("a.obj")).unwrap();
+    std::fs::write(desk.path("a.obj"), format!("mtllib other.mtl paint.csv\n{mesh}")).unwrap();
+    let ply = std::fs::read(desk.path("a.ply")).unwrap();
+    let end = ply.iter().position(|&byte| byte == b'\n').unwrap() + 1;
+    std::fs::write(
+        desk.path("a.ply"),
+        [&ply[..end], b"comment TextureFile paint.csv\n", &ply[end..]].concat(),
+    )
+    .unwrap();
+    std::fs::write(desk.path("paint.csv"), "colours").unwrap();
+    for command in ["measure", "map", "reference"] {
+        for input in ["a.obj", "a.ply"] {
+            let refused = desk.run(&[command, input, "--spacing", "1,1,1", "-o", "paint.csv"]);
+            assert_eq!(refused.status.code(), Some(2), "{command}: {}", text(&refused.stderr));
+            assert!(text(&refused.stderr).contains("would replace the input"), "{}", text(&refused.stderr));
+        }
+    }
+    assert_eq!(std::fs::read(desk.path("paint.csv")).unwrap(), b"colours");
+}
+
+/// What cannot be written is told before anything is measured, by one status in all commands.
+#[cfg(target_os = "linux")]
+#[test]
+fn outputs_are_tried_before_the_work() {
+    let desk = Desk::new();
+    desk.ball("a.nii");
+    std::fs::write(desk.path("t.csv"), "input,volume_mm3\na,1\nb,2\nc,3\n").unwrap();
+    // Nobody can make files there.
+    for arguments in [
+        &["measure", "a.nii", "-o", "/proc/x.csv"][..],
+        &["measure", "a.nii", "--png", "/proc/x.png"],
+        &["map", "a.nii", "-o", "/proc/x.ply"],
+        &["map", "a.nii", "-o", "/proc/x.json"],
+        &["report", "a.nii", "-o", "/proc/x.html"],
+        &["embed", "a.nii", "-o", "/proc/x.nii"],
+        &["reference", "a.nii", "-o", "/proc/x.csv"],
+        &["sweep", "a.nii", "--range", "1:2:2", "-o", "/proc/x.csv"],
+        &["compare", "t.csv", "t.csv", "-o", "/proc/x.json"],
+        &["phantom", "ball", "-o", "/proc/x.nii"],
+        &["cohort", "--femurs", "1", "--vertebrae", "0", "-o", "/proc/x"],
+        &["validate", "-o", "/proc/x.json"],
+    ] {
+        let refused = desk.run(arguments);
+        let words = text(&refused.stderr);
+        assert_eq!(refused.status.code(), Some(2), "{arguments:?}: {words}");
+        assert!(words.contains("/proc/x") && words.contains("cannot be written"), "{arguments:?}: {words}");
+        assert!(refused.stdout.is_empty(), "{arguments:?}");
+    }
+    assert_eq!(std::fs::read_dir(desk.0.path()).unwrap().count(), 4, "files were left behind");
+}
+
+/// A mesh's format is said, also of a packed one.
+#[test]
+fn info_names_the_format_of_meshes() {
+    let desk = Desk::new();
+    let names = ["a.stl", "a.ply", "a.obj", "a.vtp", "a.glb", "a.surf.gii"];
+    let outputs: Vec<&str> = names.iter().flat_map(|name| ["-o", name]).collect();
+    assert!(desk.run(&[&["map", "phantom:ball?radius=6"], &outputs[..]].concat()).status.success());
+    for (name, format) in names.iter().zip(["STL", "PLY", "OBJ", "VTP", "GLB", "GIFTI"]) {
+        let output = desk.run(&["info", name, "--spacing", "1,1,1.5", "--json"]);
+        assert_eq!(document(&output)[0]["format"], format);
+    }
+}
