@@ -69,7 +69,9 @@ pub struct ThresholdError(String);
 impl Threshold {
     /// Whether a value lies in the range; what is not a number lies in none.
     pub fn contains(&self, value: f64) -> bool {
-        !value.is_nan() && self.low.is_none_or(|low| value >= low) && self.high.is_none_or(|high| value <= high)
+        !value.is_nan()
+            && self.low.is_none_or(|low| value >= low)
+            && self.high.is_none_or(|high| value <= high)
     }
 }
 
@@ -153,7 +155,9 @@ impl PreparedObject {
             Flag::new(FlagCode::PiecesDropped, message)
         });
         let filled = (filled_voxels > 0).then(|| {
-            let message = format!("{filled_voxels} voxels of enclosed cavities were filled, as asked: they count as the object");
+            let message = format!(
+                "{filled_voxels} voxels of enclosed cavities were filled, as asked: they count as the object"
+            );
             Flag::new(FlagCode::CavitiesFilled, message)
         });
         dropped.into_iter().chain(filled)

@@ -148,7 +148,9 @@ fn known_rows(table: &Path, folder: &Path) -> io::Result<Vec<TruthRow>> {
     }
     let rows = csv::Reader::from_path(table).map(|reader| reader.into_deserialize().collect());
     let rows: Vec<TruthRow> = rows.and_then(|rows: Result<_, csv::Error>| rows).map_err(|error| {
-        io::Error::other(format!("it is no table of an earlier run ({error}); choose another folder, or take it away"))
+        io::Error::other(format!(
+            "it is no table of an earlier run ({error}); choose another folder, or take it away"
+        ))
     })?;
     Ok(rows.into_iter().filter(|row| folder.join(&row.input).exists()).collect())
 }

@@ -34,7 +34,7 @@ impl Cure {
     fn of_volume(error: &VolumeError) -> Option<Self> {
         match error {
             VolumeError::MissingSpacing | VolumeError::InvalidSpacing { .. } => Some(Self::Spacing),
-            VolumeError::GreyValues { .. } => Some(Self::Threshold),
+            VolumeError::GreyValues { .. } | VolumeError::NothingWithin { .. } => Some(Self::Threshold),
             VolumeError::Fractional { .. } => Some(Self::GivenEmbedding),
             VolumeError::NoSuchLabel { .. } => Some(Self::Label),
             _ => None,

@@ -2,7 +2,7 @@
 
 use super::{ExplainTopology, Failure, Plan, Record, RunError};
 use crate::accuracy::Flag;
-use crate::inputs::{PreparedObject, Preparations, input_title};
+use crate::inputs::{Preparations, PreparedObject, input_title};
 use crate::measurement::{Looked, Measured, Object, settled};
 use crate::phantoms::Truth;
 use crate::surface::Surface;

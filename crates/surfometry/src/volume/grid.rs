@@ -59,7 +59,8 @@ impl Grid {
         let lengths = Spacing::new(affine.column_lengths())?;
         check_shear(&affine)?;
         let shrunk = libm::cbrt(affine.determinant().abs() / lengths.cell_volume());
-        let spacing = if strain(&affine) > 0.0 { Spacing::new(lengths.mm().map(|h| h * shrunk))? } else { lengths };
+        let spacing =
+            if strain(&affine) > 0.0 { Spacing::new(lengths.mm().map(|h| h * shrunk))? } else { lengths };
         Ok(Self { dimensions, spacing, affine })
     }
 

@@ -46,9 +46,9 @@ pub use mask::Mask;
 pub(crate) use mask::{Place, ones};
 pub use probability::ProbabilityImage;
 pub(crate) use probability::TOLERANCE as PROBABILITY_TOLERANCE;
+pub use samples::{Samples, Scalar, ScalarType};
 #[cfg(feature = "io")]
 pub(crate) use samples::{collected, for_samples};
-pub use samples::{Samples, Scalar, ScalarType};
 pub use selection::{LabelGroup, LabelSelection, ParseSelectionError};
 pub use shared::Shared;
 pub use slab::{Slab, SlabReader, slices_a_slab};
