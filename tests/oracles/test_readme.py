@@ -34,6 +34,7 @@ def folder(tmp_path_factory):
 
     for name in ("scan2.mha", "big.mha", "vertebrae.nii.gz"):
         sitk.WriteImage(sitk.GetImageFromArray(labels), str(place / name))
+    sitk.WriteImage(sitk.GetImageFromArray(np.where(labels == 21, 700, -1000).astype(np.int16)), str(place / "ct.nii.gz"))
     surfometry("map", f"phantom:{BONE}", "-o", place / "bone.stl", "-q")
     surfometry("map", f"phantom:{BONE}", "-o", place / "phi.nii.gz", "--voxels", "phi", "-q")
     sitk.WriteImage(sitk.ReadImage(str(place / "phi.nii.gz")), str(place / "phi.nrrd"))

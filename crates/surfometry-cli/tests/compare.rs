@@ -322,6 +322,16 @@ fn a_cohort_and_its_truth() {
     let table = std::fs::read_to_string(file("truth.csv")).unwrap();
     assert!(make().status.success());
     assert_eq!(std::fs::read_to_string(file("truth.csv")).unwrap(), table);
+    // Images of other runs keep their rows, those that are gone do not; what is another table is not written over.
+    std::fs::copy(file("femur_01.nii.gz"), file("femur_09.nii.gz")).unwrap();
+    let other = |name: &str| table.lines().nth(1).unwrap().replace("femur_01", name) + "\n";
+    std::fs::write(file("truth.csv"), table.clone() + &other("femur_09") + &other("femur_08")).unwrap();
+    assert!(make().status.success());
+    assert_eq!(std::fs::read_to_string(file("truth.csv")).unwrap(), table.clone() + &other("femur_09"));
+    std::fs::write(file("truth.csv"), "input,age\nS1,63\n").unwrap();
+    let refused = make();
+    assert!(!refused.status.success() && text(&refused.stderr).contains("choose another folder"));
+    assert_eq!(std::fs::read_to_string(file("truth.csv")).unwrap(), "input,age\nS1,63\n");
     let measured = run(&["measure", &file("femur_01.nii.gz"), "--format", "json"]);
     let document: Value = serde_json::from_slice(&measured.stdout).unwrap();
     let record = &document["results"][0];

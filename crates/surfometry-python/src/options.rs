@@ -34,7 +34,7 @@ pub(crate) fn choices(py: Python, options: &Options) -> PyResult<Choices> {
             "paper" => choices.paper = bool::from_str(text).map_err(|e| word(&e))?,
             "threshold" => choices.preparation.threshold = Some(text.parse().map_err(|e| word(&e))?),
             "fill_cavities" => {
-                choices.preparation.fill_cavities = bool::from_str(text).map_err(|e| word(&e))?
+                choices.preparation.fill_cavities = bool::from_str(text).map_err(|e| word(&e))?;
             }
             "largest_component" => {
                 choices.preparation.largest_component = bool::from_str(text).map_err(|e| word(&e))?;

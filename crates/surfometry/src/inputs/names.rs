@@ -8,8 +8,6 @@ use std::path::{Component, Path, PathBuf};
 
 /// Endings of two parts, which a name is split before.
 const DOUBLE: [&str; 2] = [".nii.gz", ".surf.gii"];
-/// Endings of packed files, behind any other.
-const PACKED: [&str; 2] = [".gz", ".bz2"];
 
 /// A path with parts put in before its ending: `out.ply` with `L4` and `label-1` is `out_L4_label-1.ply`.
 pub fn with_parts<S: AsRef<str>>(path: &Path, parts: &[S]) -> PathBuf {

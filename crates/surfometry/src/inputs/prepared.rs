@@ -10,7 +10,7 @@ use crate::volume::{
     for_samples,
 };
 use rayon::prelude::*;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, TryReserveError};
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
@@ -45,7 +45,7 @@ impl Source for Prepared<'_> {
     fn slabs(&self) -> Result<Slabs<'_>, InputError> {
         let slabs = self.source.slabs()?;
         let mut slabs: Slabs = match self.preparation.threshold {
-            Some(threshold) => Box::new(Thresholded { slabs, threshold }),
+            Some(threshold) => Box::new(Thresholded { slabs, threshold, seen: None, found: false }),
             None => slabs,
         };
         if !self.preparation.needs_all() {
@@ -117,6 +117,23 @@ impl SlabReader for Changed {
 struct Thresholded<'a> {
     slabs: Slabs<'a>,
     threshold: Threshold,
+    /// The least and the largest value so far.
+    seen: Option<[f64; 2]>,
+    /// Whether one was inside.
+    found: bool,
+}
+
+impl Thresholded<'_> {
+    /// What is inside, of values that are numbers or not.
+    fn bits(&mut self, values: &[impl Scalar]) -> Result<Samples, TryReserveError> {
+        let numbers = values.iter().map(|value| value.to_f64()).filter(|value| !value.is_nan());
+        self.seen = numbers.fold(self.seen, |seen, value| {
+            Some(seen.map_or([value; 2], |[low, high]| [low.min(value), high.max(value)]))
+        });
+        let bits = collected(values.iter().map(|value| u8::from(self.threshold.contains(value.to_f64()))))?;
+        self.found |= bits.contains(&1);
+        Ok(Samples::U8(bits))
+    }
 }
 
 impl SlabReader for Thresholded<'_> {
@@ -128,11 +145,13 @@ impl SlabReader for Thresholded<'_> {
 
     fn next_slab(&mut self) -> Result<Option<Slab>, InputError> {
         let Some(Slab { slices, samples }) = self.slabs.next_slab()? else { return Ok(None) };
-        let inside = |value: f64| u8::from(self.threshold.contains(value));
-        let bits =
-            for_samples!(&samples, values => collected(values.iter().map(|value| inside(value.to_f64()))));
         let dimensions = self.grid().dimensions();
-        let samples = Samples::U8(bits.map_err(|_| VolumeError::TooLarge { dimensions })?);
+        let bits = for_samples!(&samples, values => self.bits(values));
+        let samples = bits.map_err(|_| VolumeError::TooLarge { dimensions })?;
+        if slices.end == dimensions[2] && !self.found {
+            let [lowest, highest] = self.seen.unwrap_or([f64::NAN; 2]);
+            return Err(VolumeError::NothingWithin { lowest, highest }.into());
+        }
         Ok(Some(Slab { slices, samples }))
     }
 

@@ -38,7 +38,9 @@ impl Cure {
             | VolumeError::UnknownUnit { .. }
             | VolumeError::UnlikelySpacing { .. }
             | VolumeError::UnequalSpacing { .. } => Some(Self::Spacing),
-            VolumeError::GreyValues { .. } | VolumeError::FaintForeground { .. } => Some(Self::Threshold),
+            VolumeError::GreyValues { .. }
+            | VolumeError::NothingWithin { .. }
+            | VolumeError::FaintForeground { .. } => Some(Self::Threshold),
             VolumeError::Fractional { .. } => Some(Self::GivenEmbedding),
             VolumeError::NoSuchLabel { .. } => Some(Self::Label),
             _ => None,

@@ -88,45 +88,6 @@ impl ComponentLabels {
         components.into_iter().map(&mut component).collect()
     }
 
-    /// The rows and runs of all components but the largest; of equal ones, but the one that begins first.
-    pub(crate) fn beside_largest(&mut self) -> Vec<((i64, i64), Run)> {
-        let sizes = self.sizes();
-        // A component's root is its first run; of equal maxima the last would win.
-        let largest = sizes.iter().max_by_key(|(root, voxels)| (**voxels, std::cmp::Reverse(**root)));
-        let largest = largest.map(|(root, _)| *root);
-        let dropped = self.placed_runs().into_iter().filter(|(root, ..)| Some(*root) != largest);
-        dropped.map(|(_, row, run)| (row, run)).collect()
-    }
-
-    /// The rows and runs of all components of the background but the outer one, each with its component's number of voxels.
-    pub(crate) fn enclosed(&mut self) -> Vec<(u64, (i64, i64), Run)> {
-        let sizes = self.sizes();
-        // The rim begins with it.
-        let outside = self.sets.root(0);
-        let enclosed = self.placed_runs().into_iter().filter(|(root, ..)| *root != outside);
-        enclosed.map(|(root, row, run)| (sizes[&root], row, run)).collect()
-    }
-
-    /// Voxels of each component, by its root.
-    fn sizes(&mut self) -> HashMap<usize, u64> {
-        let mut sizes = HashMap::new();
-        for (number, &(a, b)) in self.runs.iter().enumerate() {
-            *sizes.entry(self.sets.root(number)).or_default() += (b - a) as u64;
-        }
-        sizes
-    }
-
-    /// Root, row and extent of each run.
-    fn placed_runs(&mut self) -> Vec<(usize, (i64, i64), Run)> {
-        let mut placed = Vec::with_capacity(self.runs.len());
-        for (row, &end) in self.region.rows().zip(&self.ends) {
-            for number in placed.len()..end {
-                placed.push((self.sets.root(number), row, self.runs[number]));
-            }
-        }
-        placed
-    }
-
     /// Adds voxels of the mask's bounds that were not labelled, to which none that was added before is a
     /// neighbour; by how much the number of components grows.
     pub(super) fn grow(&mut self, voxels: &mut [[i64; 3]]) -> i64 {
@@ -196,5 +157,48 @@ impl ComponentLabels {
         let number = ((z - z0) * (y1 - y0) + (y - y0)) as usize;
         let end = self.ends.get(number).copied().unwrap_or_default();
         number.checked_sub(1).map_or(0, |before| self.ends.get(before).copied().unwrap_or(end))..end
+    }
+}
+
+/// Parts of objects, for inputs that are prepared.
+#[cfg(feature = "io")]
+impl ComponentLabels {
+    /// The rows and runs of all components but the largest; of equal ones, but the one that begins first.
+    pub(crate) fn beside_largest(&mut self) -> Vec<((i64, i64), Run)> {
+        let sizes = self.sizes();
+        // A component's root is its first run; of equal maxima the last would win.
+        let largest = sizes.iter().max_by_key(|(root, voxels)| (**voxels, std::cmp::Reverse(**root)));
+        let largest = largest.map(|(root, _)| *root);
+        let dropped = self.placed_runs().into_iter().filter(|(root, ..)| Some(*root) != largest);
+        dropped.map(|(_, row, run)| (row, run)).collect()
+    }
+
+    /// The rows and runs of all components of the background but the outer one, each with its component's number of voxels.
+    pub(crate) fn enclosed(&mut self) -> Vec<(u64, (i64, i64), Run)> {
+        let sizes = self.sizes();
+        // The rim begins with it.
+        let outside = self.sets.root(0);
+        let enclosed = self.placed_runs().into_iter().filter(|(root, ..)| *root != outside);
+        enclosed.map(|(root, row, run)| (sizes[&root], row, run)).collect()
+    }
+
+    /// Voxels of each component, by its root.
+    fn sizes(&mut self) -> HashMap<usize, u64> {
+        let mut sizes = HashMap::new();
+        for (number, &(a, b)) in self.runs.iter().enumerate() {
+            *sizes.entry(self.sets.root(number)).or_default() += (b - a) as u64;
+        }
+        sizes
+    }
+
+    /// Root, row and extent of each run.
+    fn placed_runs(&mut self) -> Vec<(usize, (i64, i64), Run)> {
+        let mut placed = Vec::with_capacity(self.runs.len());
+        for (row, &end) in self.region.rows().zip(&self.ends) {
+            for number in placed.len()..end {
+                placed.push((self.sets.root(number), row, self.runs[number]));
+            }
+        }
+        placed
     }
 }

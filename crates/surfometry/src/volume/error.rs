@@ -204,6 +204,14 @@ pub enum VolumeError {
         /// Largest magnitude.
         largest: f64,
     },
+    /// No grey value lies within the threshold.
+    #[error("no voxel lies within the threshold: values go from {lowest} to {highest}; choose another range")]
+    NothingWithin {
+        /// The least value.
+        lowest: f64,
+        /// The largest.
+        highest: f64,
+    },
     /// A field has no voxel below zero.
     #[error(
         "no voxel of the field is negative, so nothing lies inside; surfometry takes phi < 0 as inside: negate the \

@@ -179,14 +179,16 @@ fn check_shear(affine: &Affine) -> Result<(), VolumeError> {
     Ok(())
 }
 
-/// The largest principal strain between perpendicular axes and those of an affine, at most: of a symmetric matrix without
-/// trace, of which the off-diagonal entries are half of the cosines, it is at most sqrt(2 / 3) of its norm.
+/// The largest principal strain between perpendicular axes and those of an affine: the largest root of x^3 - 3 p x - 2 q, which
+/// are the eigenvalues of a symmetric matrix without diagonal, of which the other entries are half of the cosines.
 fn strain(affine: &Affine) -> f64 {
     let cosines = PAIRS.map(|(first, second)| affine.cosine(first, second));
     if cosines.iter().all(|cosine| cosine.abs() <= SHEAR_TOLERANCE) {
         return 0.0;
     }
-    libm::sqrt(cosines.iter().map(|cosine| cosine * cosine).sum::<f64>() / 3.0)
+    let [a, b, c] = cosines.map(|cosine| cosine / 2.0);
+    let (p, q) = ((a * a + b * b + c * c) / 3.0, (a * b * c).abs());
+    2.0 * libm::sqrt(p) * libm::cos(libm::acos((q / (p * libm::sqrt(p))).min(1.0)) / 3.0)
 }
 
 #[cfg(test)]

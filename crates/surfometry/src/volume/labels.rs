@@ -8,6 +8,7 @@ use crate::vectors;
 use fearless_simd::dispatch;
 use rayon::prelude::*;
 use std::collections::HashMap;
+#[cfg(feature = "io")]
 use std::ops::Range;
 
 /// A label image: each voxel holds a whole number, 0 being background.
@@ -108,11 +109,13 @@ impl LabelImage {
     }
 
     /// The labels that occur, background left out, ascending.
+    #[cfg(feature = "io")]
     pub(crate) fn labels(&self) -> impl Iterator<Item = i64> + '_ {
         self.summaries.iter().map(|summary| summary.label)
     }
 
     /// The runs of labels in a row, background left out, ascending.
+    #[cfg(feature = "io")]
     pub(super) fn labelled_runs(&self, y: usize, z: usize) -> impl Iterator<Item = (Range<usize>, i64)> + '_ {
         let labels = &self.labels;
         self.runs.row(y, z).map(|run| (run.start as usize..run.end as usize, labels[run.code as usize]))

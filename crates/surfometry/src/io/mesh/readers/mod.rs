@@ -18,7 +18,7 @@ mod vtp;
 mod words;
 mod xml;
 
-use super::super::ReadError;
+use super::super::{PACKED, ReadError};
 use crate::surface::Mesh;
 use std::path::{Path, PathBuf};
 use surface::Surface;
@@ -44,9 +44,6 @@ const KINDS: [MeshKind; 8] = [
     MeshKind { name: "GLB", ending: ".glb", read: glb::read },
 ];
 const VTK: &str = "VTK";
-
-/// Endings of files that hold another one.
-const PACKED: [&str; 2] = [".gz", ".bz2"];
 
 impl MeshKind {
     fn of(path: &Path) -> Option<&'static Self> {
