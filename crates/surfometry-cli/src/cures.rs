@@ -8,6 +8,7 @@ pub(crate) fn cure(error: &RunError) -> Option<&'static str> {
         Cure::Spacing => Some("--spacing X,Y,Z"),
         Cure::GivenEmbedding => Some("--embedding given"),
         Cure::Label => Some("--label"),
+        Cure::Names => Some("--names FILE"),
         _ => None,
     }
 }

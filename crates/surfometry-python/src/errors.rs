@@ -73,6 +73,7 @@ fn hint(input: Option<&Name>, error: &RunError) -> Option<&'static str> {
         Some(Cure::Spacing) => Some("spacing=, in mm, in the order of the array's axes"),
         Some(Cure::GivenEmbedding) => Some("embedding=\"given\""),
         Some(Cure::Label) => Some("label="),
+        Some(Cure::Names) => Some("names="),
         _ if in_memory && names_a_voxel(error) => {
             Some("voxels are named x first, which is the last axis of a plain array")
         }
@@ -106,6 +107,7 @@ fn field(error: &RunError) -> Option<&'static str> {
             Cure::Spacing => Some("spacing"),
             Cure::GivenEmbedding => Some("embedding"),
             Cure::Label => Some("label"),
+            Cure::Names => Some("names"),
             _ => None,
         },
     }

@@ -69,7 +69,7 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
     check_picture(args)?;
     let (path, style, ledger) = (args.png.clone(), MapStyle::default(), FileLedger::new(&inputs));
     let pictures = path.map(|path| Pictures { path, style, ledger });
-    let (open, scale_ledger) = (plan.open, plan.scale_ledger.clone());
+    let (open, scale_ledger) = (plan.open.clone(), plan.scale_ledger.clone());
     let mut journal = args.journal.begin(&plan, &inputs, args.results.path())?;
     let inputs = args.journal.own(&inputs);
     let task = MeasureTask { plan, pictures, timings: args.timings };

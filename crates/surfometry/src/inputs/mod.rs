@@ -6,17 +6,19 @@
 mod error;
 mod file;
 mod mesh;
+mod named;
 mod names;
 mod phantom;
 mod slabs;
 
 pub use error::InputError;
+pub use named::named;
 pub(crate) use names::known_stem;
 pub use names::{distinct_parts, grey_image_warning, input_title, with_parts};
 
 use crate::accuracy::Flag;
 use crate::phantoms::{Phantom, Truth};
-use crate::volume::{Grid, SlabReader};
+use crate::volume::{Grid, LabelTable, Segments, SlabReader};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
@@ -54,9 +56,20 @@ pub trait Source: Send + Sync {
         false
     }
 
-    /// Names of labels, where the input has any.
+    /// Names and colours of labels, where the input has any.
+    fn label_table(&self) -> LabelTable {
+        LabelTable::default()
+    }
+
+    /// The names alone.
     fn label_names(&self) -> BTreeMap<i64, String> {
-        BTreeMap::new()
+        self.label_table().names()
+    }
+
+    /// Which segments the values of voxels stand for, of an input whose segments may overlap: known as far as its voxels
+    /// have gone by. `None` where values are labels.
+    fn segments(&self) -> Option<Segments> {
+        None
     }
 
     /// The files that it rests on: header and data, where they are apart; none of a built-in shape.
@@ -83,10 +96,12 @@ pub struct HeaderFacts {
 }
 
 /// What the caller knows better than the input.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct OpenOptions {
     /// Spacing in mm, fastest axis first: replaces the input's, or supplies what it lacks.
     pub spacing: Option<[f64; 3]>,
+    /// Names and colours of labels, which win over the input's own.
+    pub names: LabelTable,
 }
 
 /// Opens whatever a name stands for.
@@ -94,11 +109,12 @@ pub struct OpenOptions {
 /// # Errors
 /// [`InputError`] for whatever shows before its voxels are read.
 pub fn open(name: &str, options: &OpenOptions) -> Result<Box<dyn Source>, InputError> {
-    Ok(match Kind::of(name) {
+    let source: Box<dyn Source> = match Kind::of(name) {
         Kind::Phantom => Box::new(phantom::PhantomSource::open(name, options)?),
         Kind::Mesh => Box::new(mesh::MeshSource::open(Path::new(name), options)?),
         Kind::File => Box::new(file::FileSource::open(Path::new(name), options)?),
-    })
+    };
+    Ok(named(source, options))
 }
 
 /// What a name stands for.

@@ -13,6 +13,9 @@
 //! ```
 
 mod assembled;
+mod combinations;
+#[cfg(feature = "dicom")]
+mod dicom;
 mod digest;
 mod encoding;
 mod error;
@@ -20,14 +23,19 @@ mod foreign;
 mod format;
 mod growing_file;
 mod header;
+mod label_names;
+mod mask_folder;
 mod members;
 mod mesh;
 mod metaimage;
 mod nifti;
+mod nifti_labels;
 mod nifti_writer;
 mod npy;
 mod nrrd;
+mod overlay;
 mod packed;
+mod segmentation;
 mod text_header;
 mod timed_file;
 mod voxel_stream;
@@ -39,6 +47,8 @@ pub use format::Format;
 pub(crate) use format::PACKED;
 pub use growing_file::{GrowingFile, ResultOutput};
 pub use header::ImageHeader;
+use header::Voxels;
+pub use label_names::{label_names_of_text, read_label_names};
 pub use mesh::{MeshDocument, MeshFormat, is_mesh, mesh_paths, read_mesh, write_mesh};
 pub use nifti_writer::{write_labels, write_voxel_map};
 pub use voxel_stream::VoxelStream;
@@ -90,6 +100,9 @@ pub fn read_header(path: impl AsRef<Path>) -> Result<ImageHeader, ReadError> {
         Format::MetaImage => metaimage::read_header(path),
         Format::Nrrd => nrrd::read_header(path),
         Format::Npy => npy::read_header(path),
+        #[cfg(feature = "dicom")]
+        Format::Dicom => return dicom::read_header(path),
+        Format::MaskFolder => return mask_folder::read_header(path),
     };
     // Who cannot read it may say what it is instead.
     header.map_err(|error| match foreign::content(path) {

@@ -1,10 +1,11 @@
 //! Objects to records.
 
 use super::ExplainTopology;
-use super::reading::{FileStamps, Watched, name_of};
+use super::called::{Asked, with_name};
+use super::reading::{FileStamps, Watched};
 use super::{Item, Opened, Plan, Reading, Record, RunError, Task};
 use crate::inputs::open;
-use crate::measurement::{Measured, StageSeconds};
+use crate::measurement::{MeasureError, Measured, StageSeconds, StreamError};
 use crate::volume::LabelGroup;
 use crate::{Control, Event};
 use rayon::prelude::*;
@@ -26,7 +27,12 @@ impl Task for MeasureTask {
     type Row = Record;
 
     fn run(&self, input: &Opened, out: &mut dyn FnMut(Item<Record>)) -> Result<(), RunError> {
-        if self.needs_all() { self.of_whole(input, out) } else { self.of_stream(input, out) }
+        // Segments that may overlap are known once all voxels are.
+        if self.needs_all() || input.source.segments().is_some() {
+            self.of_whole(input, out)
+        } else {
+            self.of_stream(input, out)
+        }
     }
 }
 
@@ -70,16 +76,21 @@ impl MeasureTask {
     fn of_stream(&self, input: &Opened, out: &mut dyn FnMut(Item<Record>)) -> Result<(), RunError> {
         let Opened { name, source, control, .. } = input;
         let files = FileStamps::of(&**source);
+        let table = source.label_table();
+        let asked = Asked::of(&self.plan, &table)?;
         let mut slabs = Watched { slabs: source.slabs()?, input: name, control };
-        let streamed =
-            self.plan.measurement.run_slabs_under(control, &mut slabs, &self.plan.labels, |at| {
-                control.tell(&Event::Slices {
-                    input: name,
-                    done: at.slices,
-                    of: at.of_slices,
-                    labels: at.labels,
-                });
-            })?;
+        let streamed = self.plan.measurement.run_slabs_under(control, &mut slabs, &asked.labels, |at| {
+            control.tell(&Event::Slices {
+                input: name,
+                done: at.slices,
+                of: at.of_slices,
+                labels: at.labels,
+            });
+        });
+        let streamed = streamed.map_err(|error| match error {
+            StreamError::Measure(MeasureError::Volume(error)) => with_name(error, &table),
+            error => error.into(),
+        })?;
         control.check()?;
         let file = crate::volume::SlabReader::file_time(&slabs).as_secs_f64();
         let read = streamed.source_seconds + streamed.encode_seconds;
@@ -90,12 +101,12 @@ impl MeasureTask {
         }
         let stages = results.iter().fold(StageSeconds::default(), |sum, (_, m)| sum.plus(&m.timings));
         self.tell_timings(input, [file, read - file], &stages);
-        let (flags, truth, names) = (source.flags(), source.truth(), source.label_names());
+        let (flags, truth) = (source.flags(), source.truth());
         let record = |(label, mut measured): (LabelGroup, Measured)| {
             measured.flags.splice(0..0, flags.iter().cloned());
             Record {
                 input: (*name).to_owned(),
-                name: name_of(&names, &label),
+                name: table.name_of(&label),
                 label: Some(label),
                 component: None,
                 truth,

@@ -21,6 +21,9 @@ pub struct ReferenceRecord {
     pub label: LabelGroup,
     /// The method's name.
     pub method: String,
+    /// The label's name, where the input holds one, or the names of united ones.
+    #[serde(default)]
+    pub name: Option<String>,
     /// What it gives.
     #[serde(flatten)]
     pub values: ReferenceValues,
@@ -74,7 +77,7 @@ impl Task for ReferenceTask<'_> {
         let truth = input.source.truth();
         let methods: Vec<_> =
             self.methods.iter().map(|&method| (method, method.prepared(grid.spacing()))).collect();
-        for (label, mask) in labelled_masks(input, &self.plan)? {
+        for (name, label, mask) in labelled_masks(input, &self.plan)? {
             let of_object: Vec<Flag> = input.source.flags().into_iter().chain(object_flags(&mask)).collect();
             for (method, measure) in &methods {
                 input.control.check()?;
@@ -84,6 +87,7 @@ impl Task for ReferenceTask<'_> {
                     input: input.name.to_owned(),
                     label: label.clone(),
                     method: method.name().to_owned(),
+                    name: name.clone(),
                     values,
                     sample,
                     bone: BoneValues::of_sample(&values, &sample, total_volume),

@@ -2,7 +2,7 @@
 
 use super::{ExplainTopology, Plan};
 use crate::Measurement;
-use crate::volume::{LabelGroup, LabelSelection};
+use crate::volume::{LabelGroup, LabelSelection, LabelTable};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
@@ -14,6 +14,12 @@ pub struct Settings {
     spacing: Option<[f64; 3]>,
     /// `None` where all labels are measured.
     label: Option<Vec<LabelGroup>>,
+    /// What is called by names.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    called: Option<String>,
+    /// Names that were given for labels.
+    #[serde(default, skip_serializing_if = "LabelTable::is_empty")]
+    names: LabelTable,
     per_component: bool,
     explain: bool,
     recover: bool,
@@ -29,6 +35,8 @@ impl Settings {
                 LabelSelection::All => None,
                 LabelSelection::Groups(groups) => Some(groups.clone()),
             },
+            called: plan.called.words(),
+            names: plan.open.names.clone(),
             per_component: plan.per_component,
             explain: plan.explain_topology == ExplainTopology::Always,
             recover: plan.recover,

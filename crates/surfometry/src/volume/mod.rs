@@ -23,6 +23,8 @@ mod labels;
 mod mask;
 mod probability;
 mod samples;
+#[cfg(feature = "io")]
+mod segments;
 mod selection;
 mod shared;
 mod slab;
@@ -35,6 +37,8 @@ pub use field::{FieldImage, FieldValues};
 pub use grid::Grid;
 pub use label_block::{LabelBlock, LabelBlockBuilder};
 pub(crate) use label_runs::LabelRuns;
+#[cfg(feature = "io")]
+pub(crate) use label_table::hexadecimal;
 pub use label_table::{LabelEntry, LabelTable};
 pub(crate) use labels::RunEncoder;
 pub use labels::{LabelImage, LabelSummary};
@@ -42,9 +46,13 @@ pub use mask::Mask;
 pub(crate) use mask::{Place, ones};
 pub use probability::ProbabilityImage;
 pub(crate) use probability::TOLERANCE as PROBABILITY_TOLERANCE;
-#[cfg(feature = "io")]
-pub(crate) use samples::collected;
 pub use samples::{Samples, Scalar, ScalarType};
+#[cfg(feature = "io")]
+pub(crate) use samples::{collected, for_samples};
+#[cfg(feature = "io")]
+pub use segments::{Segments, Selected};
+#[cfg(feature = "io")]
+pub(crate) use selection::without_repeats;
 pub use selection::{LabelGroup, LabelSelection, ParseSelectionError};
 pub use shared::Shared;
 pub use slab::{Slab, SlabReader, slices_a_slab};
