@@ -319,11 +319,10 @@ _KINDS: list[tuple[Callable[[object], bool], Callable[[Any], Image]]] = [
 ]
 
 
-def readable(image: Image, label_names: Mapping[int, str] | None, name: str | None) -> Image:
-    """The image as the extension module reads it, with names that the caller gives."""
+def readable(image: Image, name: str | None) -> Image:
+    """The image as the extension module reads it, under the name that the caller gives."""
     return replace(
         image,
         array=native(three_axes(image.array)),
-        label_names=image.label_names if label_names is None else names_of(label_names),
         name=image.name if name is None else name,
     )

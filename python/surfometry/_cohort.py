@@ -13,7 +13,7 @@ from pathlib import Path
 from . import _core
 from ._errors import ParameterError
 from ._image import spacing_words
-from ._options import Labels, Length, Threshold, chosen, options_of
+from ._options import Labels, Length, Names, Threshold, chosen, options_of
 from ._session import Progress, session
 
 _ENDINGS = (".csv", ".json", ".jsonl", ".parquet")
@@ -75,6 +75,7 @@ def cohort(
     paper: bool = False,
     explain: bool = False,
     per_component: bool = False,
+    names: Names | None = None,
     resume: bool = True,
     threads: int | None = None,
     progress: Progress = None,
@@ -94,7 +95,7 @@ def cohort(
         is measured. The journal is ``OUT.journal``, that of Parquet ``OUT.csv.journal``.
     spacing, label, threshold, fill_cavities, largest_component, \
 sigma, thickness, epsilon, level, embedding, derivatives, quadrature, delta, clip, padding, paper, explain, \
-per_component, threads, progress
+per_component, names, threads, progress
         As of `measure_labels`. A spacing replaces that of every file. Lengths for labels of their own are refused.
     resume : bool
         Whether a journal that is there is gone on with; else it is begun anew.
@@ -120,7 +121,7 @@ per_component, threads, progress
     >>> found.rows, list(found.failures)
     (3, ['missing.nii'])
     """
-    asked = cohort_of(inputs, out, spacing, chosen(locals()), resume)
+    asked = cohort_of(inputs, out, spacing, chosen(locals()) | {"names": names or None}, resume)
     return tabulated(asked, Path(out), threads, progress)
 
 

@@ -16,7 +16,7 @@ from . import _core
 from ._adapters import image_of, readable
 from ._errors import InputError, ParameterError, SurfometryWarning
 from ._image import Image, names_of, spacing_words
-from ._options import Labels, Length, Threshold, chosen, options_of
+from ._options import Labels, Length, Names, Threshold, chosen, options_of
 from ._results import Flag, Measurement, flags_of, warn_of
 from ._session import Progress, Request, several_objects, session
 from ._surface import Surface, surface_of
@@ -29,16 +29,17 @@ def _prepared(
     image: object,
     spacing: float | Sequence[float] | None,
     options: Mapping[str, object],
-    names: Mapping[int, str] | None = None,
+    names: Names | None = None,
     name: str | None = None,
 ) -> tuple[str | Image, dict[str, str]]:
     """What is measured, and the words of its options."""
+    options = {"names": names or None, **options}
     if isinstance(image, (str, PathLike)):
-        if names is not None or name is not None:
-            raise ParameterError("a file has a name, and says how its labels are called: leave name= and names= out")
+        if name is not None:
+            raise ParameterError("a file has a name: leave name= out")
         # As `read` gives it, an array (z, y, x).
         return fspath(image), options_of(spacing=spacing_words(spacing, "zyx"), **options)
-    known = readable(image_of(image), names, name)
+    known = readable(image_of(image), name)
     if known.affine is None and spacing is None:
         hint = "spacing=, in mm, in the order of the array's axes"
         raise InputError(
@@ -76,7 +77,7 @@ def measure(
     padding: float | str | None = None,
     paper: bool = False,
     explain: bool = False,
-    names: Mapping[int, str] | None = None,
+    names: Names | None = None,
     name: str | None = None,
     threads: int | None = None,
     progress: Progress = None,
@@ -96,7 +97,7 @@ def measure(
         Distance between voxels in mm **in the order of the array's axes**, whatever these are; of a path in that of
         `read`, (z, y, x). Images that know theirs need none, and this replaces it. A plain array needs one.
     label : int, str, tuple or list, optional
-        Which label; a tuple of labels is one object.
+        Which label, by number or by name; a tuple of labels is one object.
     threshold : tuple of two floats or None, optional
         Grey values (low, high) that are the object, both inside, None being no bound: it becomes label 1.
     fill_cavities : bool
@@ -115,8 +116,9 @@ def measure(
         As of the command line, by the same words.
     explain : bool
         Whether it is looked into where blur and band change topology.
-    names : mapping, optional
-        Names of labels, of images that have none.
+    names : mapping or path, optional
+        Names of labels, which win over the image's own: from labels to names, or a table in a file, as ``surfometry measure
+        --names`` takes it.
     name : str, optional
         What the record calls the image.
     threads : int, optional
@@ -182,7 +184,7 @@ def measure_labels(
     paper: bool = False,
     explain: bool = False,
     per_component: bool = False,
-    names: Mapping[int, str] | None = None,
+    names: Names | None = None,
     name: str | None = None,
     as_frame: bool = True,
     threads: int | None = None,
@@ -269,6 +271,7 @@ def sweep(
     delta: str | None = None,
     clip: str | None = None,
     paper: bool = False,
+    names: Names | None = None,
     name: str | None = None,
     threads: int | None = None,
     progress: Progress = None,
@@ -278,7 +281,7 @@ def sweep(
     Parameters
     ----------
     image, spacing, label, threshold, fill_cavities, largest_component, \
-sigma, thickness, level, embedding, derivatives, quadrature, delta, clip, paper, name, threads, \
+sigma, thickness, level, embedding, derivatives, quadrature, delta, clip, paper, names, name, threads, \
 progress
         As of `measure`; what is swept is left out.
     values : sequence of floats
@@ -303,7 +306,7 @@ progress
     """
     if locals().get(over) is not None:
         raise ParameterError("the same length is swept and given: leave the option out", field=over)
-    known, options = _prepared(image, spacing, chosen(locals()), name=name)
+    known, options = _prepared(image, spacing, chosen(locals()), names, name)
     with session(threads, progress) as running:
         request = Request(known, options, running)
         found = json.loads(_core.sweep(request, over, [float(value) for value in values]))
@@ -327,6 +330,7 @@ def reference(
     threshold: Threshold | None = None,
     fill_cavities: bool = False,
     largest_component: bool = False,
+    names: Names | None = None,
     name: str | None = None,
     threads: int | None = None,
     progress: Progress = None,
@@ -335,7 +339,7 @@ def reference(
 
     Parameters
     ----------
-    image, spacing, label, threshold, fill_cavities, largest_component, name, threads, progress
+    image, spacing, label, threshold, fill_cavities, largest_component, names, name, threads, progress
         As of `measure`.
     methods : sequence of str
         Names as of ``surfometry reference --method``; all by default.
@@ -354,7 +358,7 @@ def reference(
     -----
     The methods, where they are from, and what they are off by: docs/reference_methods.md.
     """
-    known, options = _prepared(image, spacing, chosen(locals()), name=name)
+    known, options = _prepared(image, spacing, chosen(locals()), names, name)
     with session(threads, progress) as running:
         records: list[dict[str, Any]] = json.loads(_core.reference(Request(known, options, running), list(methods)))
     return records
@@ -377,6 +381,7 @@ def surface(
     clip: str | None = None,
     padding: float | str | None = None,
     paper: bool = False,
+    names: Names | None = None,
     name: str | None = None,
     threads: int | None = None,
     progress: Progress = None,
@@ -386,7 +391,7 @@ def surface(
     Parameters
     ----------
     image, spacing, label, threshold, fill_cavities, largest_component, \
-sigma, thickness, level, embedding, derivatives, clip, padding, paper, name, threads, progress
+sigma, thickness, level, embedding, derivatives, clip, padding, paper, names, name, threads, progress
         As of `measure`.
     curvature_sigma : float, {"auto", "local", "object"} or None
         Blur in mm of the corrected embedding in which curvature is that of the object as segmented, or how it is chosen:
@@ -411,7 +416,7 @@ sigma, thickness, level, embedding, derivatives, clip, padding, paper, name, thr
     -----
     Curvature at vertices, its signs and its standard errors: docs/quantities.md. What they are off by: docs/accuracy.md.
     """
-    known, options = _prepared(image, spacing, chosen(locals()), name=name)
+    known, options = _prepared(image, spacing, chosen(locals()), names, name)
     with session(threads, progress, one_object=label is None) as running:
         found = _core.surface(Request(known, options, running), _scale(curvature_sigma))
     mapped = only(found)
@@ -447,6 +452,7 @@ def voxel_maps(
     clip: str | None = None,
     padding: float | str | None = None,
     paper: bool = False,
+    names: Names | None = None,
     name: str | None = None,
     threads: int | None = None,
     progress: Progress = None,
@@ -456,7 +462,7 @@ def voxel_maps(
     Parameters
     ----------
     image, spacing, label, threshold, fill_cavities, largest_component, \
-sigma, thickness, level, embedding, derivatives, clip, padding, paper, name, threads, progress
+sigma, thickness, level, embedding, derivatives, clip, padding, paper, names, name, threads, progress
         As of `measure`.
     quantities : str or sequence of str
         Of ``mean-curvature``, ``gaussian-curvature``, ``delta``, ``phi``, ``band``.
@@ -475,7 +481,7 @@ sigma, thickness, level, embedding, derivatives, clip, padding, paper, name, thr
         As of `measure`, and for a quantity of no known name.
     """
     asked = [quantities] if isinstance(quantities, str) else list(quantities)
-    known, options = _prepared(image, spacing, chosen(locals()), name=name)
+    known, options = _prepared(image, spacing, chosen(locals()), names, name)
     with session(threads, progress, one_object=label is None) as running:
         found = _core.voxel_maps(Request(known, options, running), _scale(curvature_sigma), asked)
     maps = only(found)
@@ -637,7 +643,7 @@ def report(
     clip: str | None = None,
     padding: float | str | None = None,
     paper: bool = False,
-    names: Mapping[int, str] | None = None,
+    names: Names | None = None,
     name: str | None = None,
     threads: int | None = None,
     progress: Progress = None,

@@ -2,19 +2,24 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterable, Mapping, Sequence
+from os import PathLike, fspath
 from typing import TypeAlias
 
 from ._errors import ParameterError
 
-#: A label, or labels that are one object.
-LabelKey: TypeAlias = int | str | tuple[int, ...]
+#: A label, by number or by name, or labels that are one object.
+LabelKey: TypeAlias = int | str | tuple[int | str, ...]
 #: Labels: one, several (each an object), united ones in a tuple, or words such as ``"1,2+3"``.
 Labels: TypeAlias = LabelKey | Sequence[LabelKey]
 #: The grey values that are the object, (low, high), both inside; None is no bound. Or words, ``"226.."``.
 Threshold: TypeAlias = str | tuple[float | None, float | None]
 #: A length in mm, ``"auto"``, or lengths of labels of their own; those of all others under ``"all"``.
 Length: TypeAlias = float | str | Mapping[LabelKey, float | str]
+
+#: Names of labels, or a table of them in a file.
+Names: TypeAlias = Mapping[int, str] | str | PathLike[str]
 
 
 def options_of(**arguments: object) -> dict[str, str]:
@@ -90,4 +95,11 @@ def _range(name: str, value: object) -> str:
     return "..".join("" if end is None else _plain(name, end) for end in (low, high))
 
 
-_WORDS = {"threshold": _range, "label": _labels, "sigma": _length, "thickness": _length, "spacing": _triple}
+def _names(name: str, value: object) -> str:
+    if isinstance(value, Mapping):
+        return json.dumps({str(label): str(called) for label, called in value.items()})
+    assert isinstance(value, (str, PathLike))
+    return fspath(value)
+
+
+_WORDS = {"threshold": _range, "label": _labels, "names": _names, "sigma": _length, "thickness": _length, "spacing": _triple}

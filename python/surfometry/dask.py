@@ -24,7 +24,7 @@ from ._cohort import tabulated as cohort_table
 from ._errors import Error, InputError, ParameterError, UnsupportedTypeError
 from ._image import names_of, native, spacing_words, unmasked
 from ._measure import only, tabulated
-from ._options import Labels, Length, chosen, options_of
+from ._options import Labels, Length, Names, chosen, options_of
 from ._results import Measurement, warn_of
 from ._session import Session, several_objects, threads_of
 
@@ -171,6 +171,7 @@ def cohort(
     paper: bool = False,
     explain: bool = False,
     per_component: bool = False,
+    names: Names | None = None,
     resume: bool = True,
     client: Any = None,
 ) -> CohortSummary:
@@ -182,7 +183,7 @@ def cohort(
     Parameters
     ----------
     inputs, out, spacing, label, sigma, thickness, epsilon, level, embedding, derivatives, quadrature, delta, clip, padding, \
-paper, explain, per_component, resume
+paper, explain, per_component, names, resume
         As of `surfometry.cohort`. The workers must see the files under the same names.
     client : distributed.Client, optional
         By default the one that is there. A file takes one thread.
@@ -197,7 +198,7 @@ paper, explain, per_component, resume
     ParameterError, FileError
         As of `surfometry.cohort`; without a client.
     """
-    asked = cohort_of(inputs, out, spacing, chosen(locals()), resume)
+    asked = cohort_of(inputs, out, spacing, chosen(locals()) | {"names": names or None}, resume)
     found = _client(client)
     if found is None:
         raise ParameterError("there is no client: make a distributed.Client, or call surfometry.cohort", field="client")

@@ -9,6 +9,7 @@ pub(crate) fn cure(error: &RunError) -> Option<&'static str> {
         Cure::GivenEmbedding => Some("--threshold LOW..HIGH, or --embedding given"),
         Cure::Threshold => Some("--threshold LOW..HIGH"),
         Cure::Label => Some("--label"),
+        Cure::Names => Some("--names FILE"),
         _ => None,
     }
 }

@@ -4,12 +4,13 @@ use crate::values::one_of;
 use anyhow::Result;
 use clap::{Args, ValueEnum};
 use std::path::{Path, PathBuf};
-use surfometry::inputs::{OpenOptions, Preparation, Threshold};
+use surfometry::inputs::{Preparation, Threshold};
 use surfometry::integrals::{QuadratureRule, Smearing};
+use surfometry::io::{ReadError, read_label_names};
 use surfometry::measurement::{Clip, CurvatureScale, Derivatives, EmbeddingKind, Padding};
 use surfometry::runs::words::{curvature_scale, fraction, padding, positive, spacing};
-use surfometry::runs::{Choices, DocumentForm, Lengths, Plan, SweptParameter};
-use surfometry::volume::{LabelSelection, Spacing};
+use surfometry::runs::{Choices, DocumentForm, Lengths, Plan, SelectionWords, SweptParameter};
+use surfometry::volume::{LabelTable, Spacing};
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum OutputFormat {
@@ -64,12 +65,34 @@ impl CurvatureOptions {
     }
 }
 
+/// What labels are called.
+#[derive(Debug, Clone, Args)]
+pub(crate) struct NameOptions {
+    /// Names of labels, which win over the input's own: nnU-Net's dataset.json, any JSON, CSV or TSV of labels and names, a
+    /// table of FreeSurfer, 3D Slicer or ITK-SNAP
+    #[arg(long, value_name = "FILE", value_parser = label_names)]
+    names: Option<LabelTable>,
+}
+
+impl NameOptions {
+    pub(crate) fn table(&self) -> LabelTable {
+        self.names.clone().unwrap_or_default()
+    }
+}
+
+fn label_names(path: &str) -> Result<LabelTable, ReadError> {
+    read_label_names(path)
+}
+
 /// Which objects of an input, and how far its voxels are apart.
 #[derive(Debug, Clone, clap::Args)]
 pub(crate) struct InputSelection {
-    /// Labels: `all`, `N`, `N,M` (two objects) or `N+M` (one object of two labels)
+    /// Labels: `all`, `N`, `N,M` (two objects) or `N+M` (one object of two labels), by number or by name, as `liver,spleen`;
+    /// a name with a comma or a plus sign stands in quotes of its own
     #[arg(long, default_value = "all", allow_hyphen_values = true)]
-    label: LabelSelection,
+    label: SelectionWords,
+    #[command(flatten)]
+    names: NameOptions,
     /// Voxel spacing in mm, fastest axis first: replaces the file's, or supplies what it lacks
     #[arg(long, value_name = "X,Y,Z", value_parser = spacing, allow_hyphen_values = true)]
     spacing: Option<Spacing>,
@@ -79,10 +102,17 @@ pub(crate) struct InputSelection {
 
 impl InputSelection {
     /// A plan that asks for these objects.
-    pub(crate) fn plan(&self) -> Plan {
-        let (spacing, preparation) = (self.spacing.map(|s| s.mm()), self.preparation.chosen());
-        let open = OpenOptions { spacing, preparation };
-        Plan { labels: self.label.clone(), open, ..Plan::default() }
+    ///
+    /// # Errors
+    /// As of [`Choices::plan`].
+    pub(crate) fn plan(&self) -> Result<Plan> {
+        Ok(self.choices().plan(CurvatureScale::AsMeasured)?)
+    }
+
+    fn choices(&self) -> Choices {
+        let (labels, names) = (self.label.clone(), self.names.table());
+        let preparation = self.preparation.chosen();
+        Choices { labels, names, spacing: self.spacing, preparation, ..Choices::default() }
     }
 }
 
@@ -160,9 +190,6 @@ impl MeasureOptions {
 
     fn choices(&self) -> Choices {
         Choices {
-            labels: self.selection.label.clone(),
-            spacing: self.selection.spacing,
-            preparation: self.selection.preparation.chosen(),
             sigma: self.sigma.clone().unwrap_or_default(),
             thickness: self.thickness.clone().unwrap_or_default(),
             epsilon: self.epsilon,
@@ -174,6 +201,7 @@ impl MeasureOptions {
             clip: self.clip,
             padding: self.padding,
             paper: self.paper,
+            ..self.selection.choices()
         }
     }
 

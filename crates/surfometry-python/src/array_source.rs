@@ -10,7 +10,7 @@ use std::collections::BTreeMap;
 use std::sync::mpsc::{Sender, channel};
 use surfometry::Stopped;
 use surfometry::inputs::{HeaderFacts, InputError, Slabs, Source};
-use surfometry::volume::{Grid, Samples, Slab, SlabReader, VolumeError, slices_a_slab};
+use surfometry::volume::{Grid, LabelTable, Samples, Slab, SlabReader, VolumeError, slices_a_slab};
 
 /// The same for every type of voxel.
 macro_rules! voxel_types {
@@ -138,8 +138,8 @@ impl Source for ArraySource {
         HeaderFacts { format: "array", voxel_type: self.type_name }
     }
 
-    fn label_names(&self) -> BTreeMap<i64, String> {
-        self.label_names.clone()
+    fn label_table(&self) -> LabelTable {
+        self.label_names.clone().into_iter().collect()
     }
 }
 

@@ -60,7 +60,7 @@ pub(crate) fn cohort(py: Python, cohort: Cohort, session: Session, retry: bool) 
 }
 
 fn tabulated(cohort: &Cohort, journal: Journal, plan: Plan, control: &Control) -> io::Result<String> {
-    let batch = Batch { inputs: &cohort.inputs, open: plan.open, control, cure };
+    let batch = Batch { inputs: &cohort.inputs, open: plan.open.clone(), control, cure };
     let settings = Settings::of(&plan);
     let task = MeasureTask { plan, ..MeasureTask::default() };
     let form = DocumentForm::of_path(&cohort.out).unwrap_or(DocumentForm::Csv);
@@ -103,7 +103,7 @@ pub(crate) fn measured_line(
 ) -> PyResult<String> {
     let plan = plan(py, &options, CurvatureScale::AsMeasured)?;
     session.run(py, &Held::Name(input.clone()), move |control, _| {
-        let open = plan.open;
+        let open = plan.open.clone();
         journal_line(&input, &open, &MeasureTask { plan, ..MeasureTask::default() }, control, cure)
     })
 }

@@ -74,6 +74,7 @@ fn hint(input: Option<&Name>, error: &RunError) -> Option<&'static str> {
         Some(Cure::GivenEmbedding) => Some("threshold=(low, high), or embedding=\"given\""),
         Some(Cure::Threshold) => Some("threshold=(low, high)"),
         Some(Cure::Label) => Some("label="),
+        Some(Cure::Names) => Some("names="),
         _ if in_memory && names_a_voxel(error) => {
             Some("voxels are named x first, which is the last axis of a plain array")
         }
@@ -108,6 +109,7 @@ fn field(error: &RunError) -> Option<&'static str> {
             Cure::GivenEmbedding => Some("embedding"),
             Cure::Label => Some("label"),
             Cure::Threshold => Some("threshold"),
+            Cure::Names => Some("names"),
             _ => None,
         },
     }

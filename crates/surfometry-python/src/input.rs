@@ -6,7 +6,7 @@ use crate::options::Options;
 use crate::session::Session;
 use pyo3::prelude::*;
 use std::collections::BTreeMap;
-use surfometry::inputs::{InputError, OpenOptions, Source, open, prepared};
+use surfometry::inputs::{InputError, OpenOptions, Source, named, open, prepared};
 use surfometry::volume::{Affine, Grid};
 
 /// What is asked: attributes of the Python layer's request.
@@ -126,7 +126,7 @@ impl Prepared {
             Self::Image { dimensions, type_name, bytes_a_voxel, affine, name, label_names, ask } => {
                 let grid = Grid::of_known(dimensions, affine, options.spacing)?;
                 let source = ArraySource { grid, type_name, bytes_a_voxel, label_names, ask };
-                Ok((name, prepared(Box::new(source), options.preparation)))
+                Ok((name, named(prepared(Box::new(source), options.preparation), options)))
             }
         }
     }

@@ -46,7 +46,7 @@ pub(crate) fn text(value: &impl Serialize) -> PyResult<String> {
 fn records_of(py: Python, request: Request) -> PyResult<Vec<Record>> {
     let plan = plan(py, &request.options, CurvatureScale::AsMeasured)?;
     let task = MeasureTask { plan, ..MeasureTask::default() };
-    Ok(collected(py, request, task.plan.open, task)?.results)
+    Ok(collected(py, request, task.plan.open.clone(), task)?.results)
 }
 
 /// Records of all objects, as JSON.
@@ -91,7 +91,7 @@ pub(crate) fn sweep(py: Python, request: Request, over: &str, values: Vec<f64>) 
         ledger: FileLedger::new(&[]),
     };
     task.check().map_err(|error| crate::errors::of_run(py, None, &error))?;
-    let found = collected(py, request, task.plan.open, task)?;
+    let found = collected(py, request, task.plan.open.clone(), task)?;
     text(&json!({ "results": found.results, "failures": found.failures }))
 }
 
@@ -106,14 +106,14 @@ pub(crate) fn reference(py: Python, request: Request, methods: Vec<String>) -> P
         |method: &&&dyn ReferenceMethod| methods.is_empty() || methods.iter().any(|m| m == method.name());
     let methods = METHODS.iter().filter(is_asked).copied().collect();
     let task = ReferenceTask { plan: plan(py, &request.options, CurvatureScale::AsMeasured)?, methods };
-    text(&collected(py, request, task.plan.open, task)?.results)
+    text(&collected(py, request, task.plan.open.clone(), task)?.results)
 }
 
 /// What an input holds, as JSON.
 #[pyfunction]
 pub(crate) fn describe(py: Python, request: Request) -> PyResult<String> {
     let plan = plan(py, &request.options, CurvatureScale::AsMeasured)?;
-    let found = collected(py, request, plan.open, InfoTask)?;
+    let found = collected(py, request, plan.open.clone(), InfoTask)?;
     text(&found.results.first())
 }
 

@@ -6,9 +6,11 @@ use std::collections::BTreeMap;
 use std::fmt::Display;
 use std::str::FromStr;
 use surfometry::Choice;
+use surfometry::io::{label_names_of_text, read_label_names};
 use surfometry::measurement::CurvatureScale;
 use surfometry::runs::words::{curvature_scale, fraction, padding, positive, spacing};
 use surfometry::runs::{Choices, ExplainTopology, Plan};
+use surfometry::volume::LabelTable;
 
 /// Names and words.
 pub(crate) type Options = BTreeMap<String, String>;
@@ -20,6 +22,7 @@ pub(crate) fn choices(py: Python, options: &Options) -> PyResult<Choices> {
         let word = |error: &dyn Display| wrong(py, name, text, error);
         match name.as_str() {
             "label" => choices.labels = text.parse().map_err(|e| word(&e))?,
+            "names" => choices.names = label_names(text).map_err(|e| word(&e))?,
             "spacing" => choices.spacing = Some(spacing(text).map_err(|e| word(&e))?),
             "sigma" => choices.sigma = text.parse().map_err(|e| word(&e))?,
             "thickness" => choices.thickness = text.parse().map_err(|e| word(&e))?,
@@ -44,6 +47,15 @@ pub(crate) fn choices(py: Python, options: &Options) -> PyResult<Choices> {
         }
     }
     Ok(choices)
+}
+
+/// Names of labels: a mapping, as JSON, or the name of a file.
+fn label_names(text: &str) -> Result<LabelTable, String> {
+    if text.starts_with('{') {
+        label_names_of_text(text)
+    } else {
+        read_label_names(text).map_err(|error| error.to_string())
+    }
 }
 
 /// The plan that options stand for.

@@ -24,7 +24,7 @@ pub(crate) fn surface<'py>(
 ) -> PyResult<Vec<Bound<'py, PyDict>>> {
     let plan = plan(py, &request.options, curvature(py, curvature_sigma)?)?;
     let task = SurfaceTask { plan: Plan { recover: false, ..plan } };
-    let found = collected(py, request, task.plan.open, task)?;
+    let found = collected(py, request, task.plan.open.clone(), task)?;
     found.results.into_iter().map(|mapped| as_arrays(py, mapped)).collect()
 }
 
@@ -67,7 +67,7 @@ pub(crate) fn voxel_maps<'py>(
     let quantities = quantities.iter().map(named).collect::<PyResult<Vec<_>>>()?;
     let plan = plan(py, &request.options, curvature(py, curvature_sigma)?)?;
     let task = VoxelMapTask { plan: Plan { recover: false, ..plan }, quantities: quantities.clone() };
-    let found = collected(py, request, task.plan.open, task)?;
+    let found = collected(py, request, task.plan.open.clone(), task)?;
     let as_arrays = |maps: surfometry::runs::VoxelMaps| {
         let [nx, ny, nz] = maps.record.measured.grid.dimensions;
         let (given, arrays) = (PyDict::new(py), PyDict::new(py));

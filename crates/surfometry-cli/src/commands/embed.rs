@@ -45,7 +45,7 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
     }
     let control = control(inputs.len(), Voice { quiet, memory: false });
     let scale_ledger = plan.scale_ledger.clone();
-    let batch = Batch { inputs: &inputs, open: plan.open, control: &control, cure };
+    let batch = Batch { inputs: &inputs, open: plan.open.clone(), control: &control, cure };
     let task = EmbedTask { plan, file: args.output.clone(), ledger: FileLedger::new(&inputs) };
     task.check()?;
     let style = TableStyle { of_input: Box::new(table), legend: None };

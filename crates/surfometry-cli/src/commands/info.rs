@@ -3,6 +3,7 @@
 use crate::console::{Voice, control};
 use crate::cures::cure;
 use crate::inputs::{expand, input_name};
+use crate::options::NameOptions;
 use crate::output::{deliver, description_text, json_text, plain, status};
 use anyhow::Result;
 use serde_json::{Value, json};
@@ -24,6 +25,8 @@ pub(crate) struct Args {
     /// Voxel spacing in mm, fastest axis first: replaces the file's, or supplies what it lacks
     #[arg(long, value_name = "X,Y,Z", value_parser = spacing, allow_hyphen_values = true)]
     spacing: Option<Spacing>,
+    #[command(flatten)]
+    names: NameOptions,
     /// Print JSON
     #[arg(long)]
     json: bool,
@@ -31,7 +34,8 @@ pub(crate) struct Args {
 
 pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
     let inputs = expand(&args.inputs);
-    let open = OpenOptions { spacing: args.spacing.map(|s| s.mm()), ..OpenOptions::default() };
+    let spacing = args.spacing.map(|s| s.mm());
+    let open = OpenOptions { spacing, names: args.names.table(), ..OpenOptions::default() };
     let control = control(inputs.len(), Voice { quiet, memory: false });
     let mut documents = Documents::default();
     let outcome = Batch { inputs: &inputs, open, control: &control, cure }.run(&InfoTask, &mut documents)?;

@@ -52,7 +52,7 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
     let style = MapStyle { voxels: distinct(&args.voxels), ..args.pictures.map_style() };
     let control = control(inputs.len(), Voice { quiet, memory: false });
     let (scale_ledger, settings) = (plan.scale_ledger.clone(), Settings::of(&plan));
-    let batch = Batch { inputs: &inputs, open: plan.open, control: &control, cure };
+    let batch = Batch { inputs: &inputs, open: plan.open.clone(), control: &control, cure };
     let ledger = FileLedger::new(&inputs);
     let mut sink = MapSink::new(documents, &settings, quiet)?;
     let outcome = batch.run(&MapTask { plan, files, style, ledger }, &mut sink)?;

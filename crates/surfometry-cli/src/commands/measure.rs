@@ -69,7 +69,8 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
     check_picture(args)?;
     let (path, style, ledger) = (args.png.clone(), MapStyle::default(), FileLedger::new(&inputs));
     let pictures = path.map(|path| Pictures { path, style, ledger });
-    let (open, scale_ledger, settings) = (plan.open, plan.scale_ledger.clone(), Settings::of(&plan));
+    let (open, scale_ledger) = (plan.open.clone(), plan.scale_ledger.clone());
+    let settings = Settings::of(&plan);
     let mut journal = args.journal.begin(&plan, &inputs, args.results.path())?;
     let inputs = args.journal.own(&inputs);
     let task = MeasureTask { plan, pictures, timings: args.timings };

@@ -36,10 +36,10 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
         args.methods.is_empty() || args.methods.iter().any(|name| name == method.name())
     };
     let methods: Vec<&dyn ReferenceMethod> = METHODS.iter().filter(chosen).copied().collect();
-    let plan = args.selection.plan();
+    let plan = args.selection.plan()?;
     let control = control(inputs.len(), Voice { quiet, memory: false });
-    let batch = Batch { inputs: &inputs, open: plan.open, control: &control, cure };
     let settings = Settings::of(&plan);
+    let batch = Batch { inputs: &inputs, open: plan.open.clone(), control: &control, cure };
     let task = ReferenceTask { plan, methods };
     let style = TableStyle { of_input: Box::new(table), legend: None };
     write_results(&args.results, style, &settings, |sink| batch.run(&task, sink))

@@ -40,7 +40,7 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
     check_output(Some(&args.output), &inputs)?;
     let control = control(inputs.len(), Voice { quiet, memory: false });
     let scale_ledger = plan.scale_ledger.clone();
-    let batch = Batch { inputs: &inputs, open: plan.open, control: &control, cure };
+    let batch = Batch { inputs: &inputs, open: plan.open.clone(), control: &control, cure };
     let title = args.title.clone().unwrap_or_else(|| match inputs.as_slice() {
         [one] => input_title(one),
         many => format!("{} images", many.len()),

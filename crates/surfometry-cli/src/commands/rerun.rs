@@ -28,7 +28,7 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
     }
     let (plan, inputs) = (run.plan(), run.inputs());
     let control = control(inputs.len(), Voice { quiet, memory: false });
-    let batch = Batch { inputs: &inputs, open: plan.open, control: &control, cure };
+    let batch = Batch { inputs: &inputs, open: plan.open.clone(), control: &control, cure };
     let mut repetition = Repetition::of(&run);
     let outcome = batch.run(&MeasureTask { plan, ..MeasureTask::default() }, &mut repetition)?;
     if outcome.stopped {

@@ -71,7 +71,7 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
     }
     let control = control(inputs.len(), Voice { quiet, memory: false });
     let (scale_ledger, settings) = (plan.scale_ledger.clone(), Settings::of(&plan));
-    let batch = Batch { inputs: &inputs, open: plan.open, control: &control, cure };
+    let batch = Batch { inputs: &inputs, open: plan.open.clone(), control: &control, cure };
     let chart = args.chart.clone();
     let surfaces = args.surfaces.clone();
     let task = SweepTask {

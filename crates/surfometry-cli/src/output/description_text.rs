@@ -33,10 +33,11 @@ pub(crate) fn description_text(document: &Value) -> String {
 }
 
 fn label_table(labels: &[Value]) -> String {
-    let mut layout = Layout::new(&["label", "voxels", "volume mm³", "first voxel", "last voxel"]);
+    let mut layout = Layout::new(&["label", "name", "voxels", "volume mm³", "first voxel", "last voxel"]);
     for label in labels {
         layout.row(vec![
             label["label"].to_string(),
+            label["name"].as_str().unwrap_or_default().to_owned(),
             label["voxels"].to_string(),
             digits(label["volume_mm3"].as_f64().unwrap_or_default()),
             label["bounding_box"][0].to_string(),

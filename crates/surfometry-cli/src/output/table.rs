@@ -125,9 +125,12 @@ fn heading(records: &[Record]) -> String {
     )
 }
 
-/// An object's label, and which of its pieces it is.
+/// An object's label, with its name, and which of its pieces it is.
 fn name_in_table(record: &Record) -> String {
-    let label = record.label.as_ref().map_or_else(String::new, ToString::to_string);
+    let mut label = record.label.as_ref().map_or_else(String::new, ToString::to_string);
+    if let Some(name) = &record.name {
+        label = format!("{label} {name}");
+    }
     record.component.map_or(label.clone(), |component| format!("{label} #{component}"))
 }
 

@@ -4,8 +4,8 @@ use super::slabs::Reader;
 use super::{HeaderFacts, InputError, OpenOptions, Slabs, Source};
 use crate::accuracy::{Flag, FlagCode};
 use crate::io::{ImageHeader, VoxelStream, read_header};
-use crate::volume::Grid;
-use std::collections::BTreeMap;
+use crate::volume::{Grid, LabelTable, Segments};
+use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -48,18 +48,18 @@ impl Source for FileSource {
 
     fn files(&self) -> Vec<PathBuf> {
         let data = self.header.data.files();
-        // The same file under another name counts once.
-        let mut files: Vec<PathBuf> = Vec::new();
-        for file in [&self.path, &self.header.path].into_iter().chain(&data) {
-            if files.iter().all(|known| known.canonicalize().ok() != file.canonicalize().ok()) {
-                files.push(file.clone());
-            }
-        }
-        files
+        let named = [self.path.clone(), self.header.path.clone()].into_iter().chain(data);
+        // The same file under another name counts once; a folder is what is in it.
+        let mut known = HashSet::new();
+        named.filter(|file| !file.is_dir() && known.insert(file.canonicalize().ok())).collect()
     }
 
-    fn label_names(&self) -> BTreeMap<i64, String> {
-        self.header.labels.names()
+    fn label_table(&self) -> LabelTable {
+        self.header.labels.clone()
+    }
+
+    fn segments(&self) -> Option<Segments> {
+        self.header.data.segments()
     }
 
     fn flags(&self) -> Vec<Flag> {

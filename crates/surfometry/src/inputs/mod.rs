@@ -6,6 +6,7 @@
 mod error;
 mod file;
 mod mesh;
+mod named;
 mod names;
 mod phantom;
 mod preparation;
@@ -13,6 +14,7 @@ mod prepared;
 mod slabs;
 
 pub use error::InputError;
+pub use named::named;
 pub(crate) use names::known_stem;
 pub use names::{distinct_parts, grey_image_warning, input_title, shown_name, with_parts};
 pub use preparation::{Changes, Preparation, Preparations, PreparedObject, Threshold, ThresholdError};
@@ -20,7 +22,7 @@ pub use prepared::prepared;
 
 use crate::accuracy::Flag;
 use crate::phantoms::{Phantom, Truth};
-use crate::volume::{Grid, SlabReader};
+use crate::volume::{Grid, LabelTable, Segments, SlabReader};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -59,9 +61,20 @@ pub trait Source: Send + Sync {
         false
     }
 
-    /// Names of labels, where the input has any.
+    /// Names and colours of labels, where the input has any.
+    fn label_table(&self) -> LabelTable {
+        LabelTable::default()
+    }
+
+    /// The names alone.
     fn label_names(&self) -> BTreeMap<i64, String> {
-        BTreeMap::new()
+        self.label_table().names()
+    }
+
+    /// Which segments the values of voxels stand for, of an input whose segments may overlap: known as far as its voxels
+    /// have gone by. `None` where values are labels.
+    fn segments(&self) -> Option<Segments> {
+        None
     }
 
     /// The files that it rests on: header and data, where they are apart; none of a built-in shape.
@@ -93,12 +106,14 @@ pub struct HeaderFacts {
 }
 
 /// What the caller knows better than the input.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct OpenOptions {
     /// Spacing in mm, fastest axis first: replaces the input's, or supplies what it lacks.
     pub spacing: Option<[f64; 3]>,
     /// What is done to its voxels before anything is measured of them.
     pub preparation: Preparation,
+    /// Names and colours of labels, which win over the input's own.
+    pub names: LabelTable,
 }
 
 /// Opens whatever a name stands for.
@@ -116,7 +131,7 @@ pub fn open(name: &str, options: &OpenOptions) -> Result<Box<dyn Source>, InputE
         Kind::Mesh => Box::new(mesh::MeshSource::open(Path::new(name), options)?),
         Kind::File => Box::new(file::FileSource::open(Path::new(name), options)?),
     };
-    Ok(prepared(source, options.preparation))
+    Ok(named(prepared(source, options.preparation), options))
 }
 
 /// The files that an input rests on, without its voxels being looked at: header, data, what a mesh names. Of what

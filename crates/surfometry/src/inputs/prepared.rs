@@ -6,8 +6,8 @@ use crate::accuracy::Flag;
 use crate::phantoms::Truth;
 use crate::topology::{ComponentLabels, Connectivity};
 use crate::volume::{
-    Grid, LabelImage, LabelRewrite, LabelSlabs, Samples, Scalar, Slab, SlabReader, VolumeError, collected,
-    for_samples,
+    Grid, LabelImage, LabelRewrite, LabelSlabs, LabelTable, Samples, Scalar, Segments, Slab, SlabReader,
+    VolumeError, collected, for_samples,
 };
 use rayon::prelude::*;
 use std::collections::{BTreeMap, TryReserveError};
@@ -52,6 +52,11 @@ impl Source for Prepared<'_> {
             return Ok(slabs);
         }
         let image = LabelImage::from_slabs(&mut slabs)?;
+        if self.segments().is_some_and(|segments| segments.overlap()) {
+            return Err(InputError::Unfit(
+                "its segments overlap, so that pieces and cavities of one are not those of a label: measure each segment's own mask with these options",
+            ));
+        }
         if image.looks_grey() {
             return Err(VolumeError::GreyValues { labels: image.summaries().len() }.into());
         }
@@ -74,8 +79,12 @@ impl Source for Prepared<'_> {
         true
     }
 
-    fn label_names(&self) -> BTreeMap<i64, String> {
-        if self.preparation.threshold.is_some() { BTreeMap::new() } else { self.source.label_names() }
+    fn label_table(&self) -> LabelTable {
+        if self.preparation.threshold.is_some() { LabelTable::default() } else { self.source.label_table() }
+    }
+
+    fn segments(&self) -> Option<Segments> {
+        self.source.segments().filter(|_| self.preparation.threshold.is_none())
     }
 
     fn files(&self) -> Vec<PathBuf> {

@@ -2,6 +2,7 @@
 //! together, piece by piece.
 
 use super::ReadError;
+use crate::volume::Segments;
 use std::io::{self, Cursor, Read};
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -14,6 +15,11 @@ pub(crate) trait AssembleVoxels: std::fmt::Debug + Send + Sync {
 
     /// value = slope * stored + intercept.
     fn scaling(&self) -> Option<(f64, f64)> {
+        None
+    }
+
+    /// Which segments the values stand for, as far as they were read, where segments may overlap.
+    fn segments(&self) -> Option<Segments> {
         None
     }
 

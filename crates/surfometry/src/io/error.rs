@@ -72,6 +72,14 @@ pub enum ReadError {
         /// What the name says.
         expected: &'static str,
     },
+    /// A table of names that cannot be read.
+    #[error("{path}: {reason}", path = path.display())]
+    LabelNames {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong, and what is expected.
+        reason: String,
+    },
     /// Compressed voxels in a file that is compressed as a whole.
     #[error(
         "the voxels are compressed, and the file around them again: unpack the file first, with `gunzip` or `bunzip2`"
@@ -121,6 +129,57 @@ pub enum ReadError {
         expected: u64,
         /// Bytes decoded behind them, without an end.
         surplus: u64,
+    },
+    /// A segmentation in which nothing is segmented.
+    #[error(
+        "a segmentation without segments, for which 3D Slicer saves one voxel: save it again when it has some"
+    )]
+    NoSegments,
+    /// A label that no segment of the file has.
+    #[error(
+        "label {label} in layer {layer} is none of the segments that the header names: save the segmentation again"
+    )]
+    NoSegment {
+        /// The label.
+        label: i64,
+        /// The layer, from 0 on.
+        layer: usize,
+    },
+    /// Several labels in what should be a mask.
+    #[error(
+        "labels {} and {} in one of the files of a folder, which is read as masks, one a file: name the images themselves, as 'FOLDER/*.nii.gz'",
+        labels[0], labels[1]
+    )]
+    SeveralLabels {
+        /// Two of them.
+        labels: [i64; 2],
+    },
+    /// A value that is neither a label nor background in what is laid over others.
+    #[error(
+        "a value {value}, which is no label: segments that may overlap want whole numbers; threshold it first"
+    )]
+    NoMask {
+        /// The value.
+        value: f64,
+    },
+    /// Masks that do not lie on each other.
+    #[error(
+        "{other}: another lattice (dimensions, spacing, orientation or origin) than {first}; a folder is read as masks of one image: name the images themselves, as 'FOLDER/*.nii.gz'",
+        first = first.display(), other = other.display()
+    )]
+    OtherLattice {
+        /// The first file.
+        first: PathBuf,
+        /// The one that differs.
+        other: PathBuf,
+    },
+    /// One of several files.
+    #[error("{path}: {source}", path = path.display())]
+    InLayer {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        source: Box<ReadError>,
     },
     /// The image itself.
     #[error(transparent)]

@@ -1,7 +1,9 @@
 //! Which format a file has.
 
 use super::ReadError;
-use super::foreign;
+#[cfg(feature = "dicom")]
+use super::dicom;
+use super::{foreign, mask_folder};
 use std::path::Path;
 
 /// A supported file format.
@@ -21,9 +23,14 @@ pub enum Format {
     Aim,
     /// Scanco ISQ: .isq.
     Isq,
+    /// DICOM: a file, a folder of a series; by content, whatever its name.
+    #[cfg(feature = "dicom")]
+    Dicom,
+    /// A folder of masks, a class a file.
+    MaskFolder,
 }
 
-const SUPPORTED: &str = "supported are NIfTI (.nii, .nii.gz, .hdr/.img), MetaImage (.mha, .mhd), NRRD (.nrrd, .nhdr), NumPy (.npy), FreeSurfer (.mgh, .mgz) and Scanco (.aim, .isq)";
+const SUPPORTED: &str = "supported are NIfTI (.nii, .nii.gz, .hdr/.img), MetaImage (.mha, .mhd), NRRD (.nrrd, .nhdr, .seg.nrrd), NumPy (.npy), FreeSurfer (.mgh, .mgz), Scanco (.aim, .isq), DICOM (by content) and folders of masks or of a DICOM series";
 
 /// Endings of files that are compressed as a whole.
 pub(crate) const PACKED: [&str; 2] = [".gz", ".bz2"];
@@ -53,8 +60,7 @@ impl Format {
             _ => ReadError::io(path, e),
         })?;
         if metadata.is_dir() {
-            let message = format!("a folder: DICOM series and OME-Zarr are not read yet; {SUPPORTED}");
-            return Err(ReadError::UnknownFormat(message));
+            return Self::of_folder(path);
         }
         if !metadata.is_file() {
             return Err(ReadError::UnknownFormat(
@@ -66,7 +72,7 @@ impl Format {
                 "the file is empty (0 bytes); copy or export it again".into(),
             ));
         }
-        Self::of_name(path).ok_or_else(|| {
+        Self::of_name(path).or_else(|| Self::of_content(path)).ok_or_else(|| {
             let content = foreign::content(path).map_or_else(String::new, |kind| format!(" (it is {kind})"));
             ReadError::UnknownFormat(format!(
                 "the file's ending names no format that is read{content}; {SUPPORTED}"
@@ -74,8 +80,32 @@ impl Format {
         })
     }
 
+    /// The format of a file whose name tells nothing.
+    #[cfg(feature = "dicom")]
+    fn of_content(path: &Path) -> Option<Self> {
+        dicom::is_dicom(path).then_some(Self::Dicom)
+    }
+
+    #[cfg(not(feature = "dicom"))]
+    fn of_content(_: &Path) -> Option<Self> {
+        None
+    }
+
+    /// The format of a folder, by what it holds.
+    fn of_folder(path: &Path) -> Result<Self, ReadError> {
+        if !mask_folder::masks(path)?.is_empty() {
+            return Ok(Self::MaskFolder);
+        }
+        #[cfg(feature = "dicom")]
+        if !dicom::files(path)?.is_empty() {
+            return Ok(Self::Dicom);
+        }
+        let message = format!("a folder without images: OME-Zarr is not read yet; {SUPPORTED}");
+        Err(ReadError::UnknownFormat(message))
+    }
+
     /// By the name's ending, in front of that of a file compressed as a whole.
-    fn of_name(path: &Path) -> Option<Self> {
+    pub(super) fn of_name(path: &Path) -> Option<Self> {
         let name = path.file_name()?.to_string_lossy().to_lowercase();
         let name = without_version(&name);
         let of = |name: &str| Self::ENDINGS.iter().find(|(_, list)| list.iter().any(|e| name.ends_with(e)));
@@ -98,6 +128,9 @@ impl Format {
             Self::Mgh => "FreeSurfer MGH",
             Self::Aim => "Scanco AIM",
             Self::Isq => "Scanco ISQ",
+            #[cfg(feature = "dicom")]
+            Self::Dicom => "DICOM",
+            Self::MaskFolder => "masks",
         }
     }
 

@@ -3,7 +3,7 @@
 use super::assembled::Assembled;
 use super::packed::open_file;
 use super::{Format, ReadError};
-use crate::volume::{Affine, Grid, LabelTable, ScalarType, Spacing, VolumeError};
+use crate::volume::{Affine, Grid, LabelTable, ScalarType, Segments, Spacing, VolumeError};
 use std::fs::File;
 use std::io::Seek;
 use std::path::{Path, PathBuf};
@@ -60,6 +60,14 @@ impl Voxels {
         match self {
             Self::Stored(data) => data.order,
             Self::Assembled(_) => ByteOrder::Little,
+        }
+    }
+
+    /// Which segments the values stand for, as far as they were read, where segments may overlap.
+    pub(crate) fn segments(&self) -> Option<Segments> {
+        match self {
+            Self::Stored(_) => None,
+            Self::Assembled(assembled) => assembled.0.segments(),
         }
     }
 

@@ -16,6 +16,9 @@ mod aim;
 mod aim_voxels;
 mod assembled;
 mod binary_header;
+mod combinations;
+#[cfg(feature = "dicom")]
+mod dicom;
 mod digest;
 mod encoding;
 mod error;
@@ -24,15 +27,20 @@ mod format;
 mod growing_file;
 mod header;
 mod isq;
+mod label_names;
+mod mask_folder;
 mod members;
 mod mesh;
 mod metaimage;
 mod mgh;
 mod nifti;
+mod nifti_labels;
 mod nifti_writer;
 mod npy;
 mod nrrd;
+mod overlay;
 mod packed;
+mod segmentation;
 mod text_header;
 mod timed_file;
 mod voxel_stream;
@@ -44,6 +52,8 @@ pub use format::Format;
 pub(crate) use format::{PACKED, without_version};
 pub use growing_file::{GrowingFile, ResultOutput};
 pub use header::ImageHeader;
+use header::Voxels;
+pub use label_names::{label_names_of_text, read_label_names};
 pub use mesh::{MeshDocument, MeshFormat, is_mesh, mesh_paths, read_mesh, write_mesh};
 pub(crate) use mesh::{MeshFile, read_mesh_file};
 pub use nifti_writer::{write_labels, write_voxel_map};
@@ -99,6 +109,9 @@ pub fn read_header(path: impl AsRef<Path>) -> Result<ImageHeader, ReadError> {
         Format::Mgh => mgh::read_header(path),
         Format::Aim => aim::read_header(path),
         Format::Isq => isq::read_header(path),
+        #[cfg(feature = "dicom")]
+        Format::Dicom => return dicom::read_header(path),
+        Format::MaskFolder => return mask_folder::read_header(path),
     };
     // Who cannot read it may say what it is instead.
     header.map_err(|error| match foreign::content(path) {

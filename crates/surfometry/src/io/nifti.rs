@@ -8,13 +8,15 @@
 
 use super::header::{ByteOrder, Encoding, ImageHeader, VoxelData, Voxels, three_dimensions};
 use super::packed::Packed;
-use super::{Format, ReadError};
-use crate::volume::{Affine, LabelTable, ScalarType};
+use super::{Format, ReadError, nifti_labels};
+use crate::volume::{Affine, ScalarType};
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
 const SIZE_1: i32 = 348;
 const SIZE_2: i32 = 540;
+/// Bytes behind a header that say whether extensions follow.
+const EXTENDER: u64 = 4;
 /// Bytes of a header with its extensions; bounds what is read of a file that is none.
 const LONGEST_HEADER: u64 = 1 << 24;
 /// Square of the real part of a quaternion below which it counts as none (nifti1_io).
@@ -34,6 +36,7 @@ pub(super) fn read_header(path: &Path) -> Result<ImageHeader, ReadError> {
     let fields = Fields::parse(&bytes)?;
     let dimensions = three_dimensions(&fields.dimensions)?;
     let affine = fields.affine();
+    let between = fields.extensions(&file, &bytes)?;
     // Of a pair, whose two names tell it whatever the magic says, header and image may be compressed apart.
     let single = header_path == data_path || fields.single_file && !data_path.is_file();
     let data_file = if single {
@@ -50,6 +53,7 @@ pub(super) fn read_header(path: &Path) -> Result<ImageHeader, ReadError> {
         (false, true) => 0,
         (false, false) => fields.vox_offset,
     };
+    let labels = nifti_labels::labels(&between, fields.order);
     let data = data_file.data(offset, Encoding::Raw, fields.order)?;
     Ok(ImageHeader {
         path: header_path,
@@ -60,7 +64,7 @@ pub(super) fn read_header(path: &Path) -> Result<ImageHeader, ReadError> {
         stated_spacing: (!fields.has_sform()).then(|| fields.spacing()),
         unknown_unit: None,
         other_spacing: fields.conflicting_spacing(affine.as_ref()),
-        labels: LabelTable::default(),
+        labels,
         data: Voxels::Stored(VoxelData { scaling: fields.scaling(), ..data }),
     })
 }
@@ -86,7 +90,7 @@ fn parts(path: &Path) -> (PathBuf, PathBuf) {
 }
 
 fn header_bytes(file: &Packed) -> Result<Vec<u8>, ReadError> {
-    let (bytes, damage) = file.start(SIZE_2 as u64)?;
+    let (bytes, damage) = file.start(SIZE_2 as u64 + EXTENDER)?;
     if bytes.len() < SIZE_1 as usize {
         let cause = damage.map_or_else(String::new, |e| format!(" ({e})"));
         return Err(error(format!(
@@ -223,6 +227,18 @@ impl Fields {
             sform: std::array::from_fn(|r| std::array::from_fn(|c| n.f64(400 + 32 * r + 8 * c))),
             units: n.i32(500),
         })
+    }
+
+    /// What stands between the header and the voxels, or the end of a header's own file; nothing where no extension is
+    /// announced. `start` is how the file begins.
+    fn extensions(&self, file: &Packed, start: &[u8]) -> Result<Vec<u8>, ReadError> {
+        let header = self.header_size as usize;
+        if start.get(header).is_none_or(|mark| *mark == 0) {
+            return Ok(Vec::new());
+        }
+        let end = if self.single_file { self.vox_offset.min(LONGEST_HEADER) } else { LONGEST_HEADER };
+        let (mut bytes, _) = file.start(end)?;
+        Ok(bytes.split_off(header.min(bytes.len())))
     }
 
     fn scalar(&self) -> Result<ScalarType, ReadError> {

@@ -9,7 +9,7 @@ use super::header::{
 };
 use super::packed::Packed;
 use super::text_header::{Lines, beside, mm_per, numbers};
-use super::{Format, ReadError};
+use super::{Format, ReadError, segmentation};
 use crate::volume::{Affine, LabelTable, ScalarType};
 use std::collections::HashMap;
 use std::path::Path;
@@ -34,13 +34,17 @@ pub(super) fn read_header(path: &Path) -> Result<ImageHeader, ReadError> {
         return Err(error(format!("{} axes; NRRD has at most {MOST_AXES}", sizes.len())));
     }
     let scalar = scalar(fields.required("type")?)?;
-    let axes = spatial_axes(&fields, &sizes)?;
+    let is_segmentation = segmentation::is_segmentation(&fields.pairs);
+    if is_segmentation && sizes.iter().all(|&n| n == 1) {
+        return Err(ReadError::NoSegments);
+    }
+    let (axes, layers) = spatial_axes(&fields, &sizes, is_segmentation)?;
     let dimensions = three_dimensions(&axes.iter().map(|&a| sizes[a]).collect::<Vec<_>>())?;
     let Geometry { affine, stated_spacing } = geometry(&fields, &axes)?;
     let unknown_unit = unit(&fields)?.err();
     let position = lines.position();
     let data = Voxels::Stored(data(path, &fields, scalar, position, lines.into_file())?);
-    Ok(ImageHeader {
+    let header = ImageHeader {
         path: path.to_owned(),
         format: Format::Nrrd,
         dimensions,
@@ -51,32 +55,39 @@ pub(super) fn read_header(path: &Path) -> Result<ImageHeader, ReadError> {
         other_spacing: None,
         labels: LabelTable::default(),
         data,
-    })
+    };
+    if is_segmentation { segmentation::of_segments(header, layers, &fields.pairs) } else { Ok(header) }
 }
 
 /// `field: value` lines up to the blank one.
-struct Fields(HashMap<String, String>);
+struct Fields {
+    fields: HashMap<String, String>,
+    /// `key:=value`: the user's own, and segments of 3D Slicer's.
+    pairs: HashMap<String, String>,
+}
 
 impl Fields {
     fn read(lines: &mut Lines) -> Self {
-        let mut fields = HashMap::new();
+        let (mut fields, mut pairs) = (HashMap::new(), HashMap::new());
         for line in lines {
             if line.is_empty() {
                 break;
             }
-            // `key:=value` lines are the user's own.
             match line.split_once(':') {
-                Some((key, value)) if !line.starts_with('#') && !value.starts_with('=') => {
-                    fields.insert(key.trim().to_lowercase(), value.trim().to_owned());
+                Some(_) if line.starts_with('#') => {}
+                Some((key, value)) => match value.strip_prefix('=') {
+                    Some(value) => pairs.insert(key.trim().to_owned(), value.to_owned()),
+                    None => fields.insert(key.trim().to_lowercase(), value.trim().to_owned()),
                 }
-                _ => {}
+                .map_or((), drop),
+                None => {}
             }
         }
-        Self(fields)
+        Self { fields, pairs }
     }
 
     fn get(&self, names: &[&str]) -> Option<&str> {
-        names.iter().find_map(|n| self.0.get(*n)).map(String::as_str)
+        names.iter().find_map(|n| self.fields.get(*n)).map(String::as_str)
     }
 
     fn required(&self, name: &str) -> Result<&str, ReadError> {
@@ -108,8 +119,13 @@ fn scalar(name: &str) -> Result<ScalarType, ReadError> {
     })
 }
 
-/// The axes that are space. Others (vectors, segment layers, time) may only have one sample.
-fn spatial_axes(fields: &Fields, sizes: &[usize]) -> Result<Vec<usize>, ReadError> {
+/// The axes that are space, and how many layers of segments alternate along the first. Other axes (vectors, time) may only
+/// have one sample.
+fn spatial_axes(
+    fields: &Fields,
+    sizes: &[usize],
+    is_segmentation: bool,
+) -> Result<(Vec<usize>, usize), ReadError> {
     let directions = fields.get(&["space directions"]).map(directions_of);
     let is_space = |axis: usize| match (&directions, fields.get(&["kinds"])) {
         (Some(directions), _) => directions.get(axis).is_none_or(Option::is_some),
@@ -119,8 +135,11 @@ fn spatial_axes(fields: &Fields, sizes: &[usize]) -> Result<Vec<usize>, ReadErro
         (None, None) => axis < 3,
     };
     let (space, other): (Vec<usize>, Vec<usize>) = (0..sizes.len()).partition(|&a| is_space(a));
+    if is_segmentation && other == [0] && sizes[0] > 0 {
+        return Ok((space, sizes[0]));
+    }
     refuse_several(sizes, other.iter().map(|&a| &sizes[a]))?;
-    Ok(space)
+    Ok((space, 1))
 }
 
 /// The vectors of `space directions`, `None` for `none`. Entries that cannot be read become NaN, which the

@@ -21,6 +21,8 @@ pub struct VoxelStream {
     grid: Grid,
     voxels: Box<dyn Read + Send>,
     next_slice: usize,
+    /// Most slices of a slab.
+    most_slices: usize,
     buffer: Vec<u8>,
     file_nanoseconds: Arc<AtomicU64>,
     /// Bytes of compressed data behind the last voxel, once they were read.
@@ -50,7 +52,23 @@ impl VoxelStream {
             Voxels::Stored(data) => encoding::open(data, header.voxel_bytes(), &file_nanoseconds)?,
             Voxels::Assembled(assembled) => assembled.0.open(&file_nanoseconds)?,
         };
-        Ok(Self { header, grid, voxels, next_slice: 0, buffer: Vec::new(), file_nanoseconds, surplus })
+        let most_slices = usize::MAX;
+        Ok(Self {
+            header,
+            grid,
+            voxels,
+            next_slice: 0,
+            most_slices,
+            buffer: Vec::new(),
+            file_nanoseconds,
+            surplus,
+        })
+    }
+
+    /// The same in slabs of one slice each, for who reads many files at once.
+    pub(super) fn slice_by_slice(mut self) -> Self {
+        self.most_slices = 1;
+        self
     }
 
     /// The file's header.
@@ -129,7 +147,8 @@ impl SlabReader for VoxelStream {
             return Ok(None);
         }
         let bytes = self.header.scalar.bytes();
-        let last = (first + slices_a_slab(self.header.dimensions, bytes)).min(nz);
+        let slices = slices_a_slab(self.header.dimensions, bytes).min(self.most_slices);
+        let last = (first + slices).min(nz);
         self.fill((last - first) * nx * ny * bytes)?;
         let samples =
             self.decode().map_err(|_| VolumeError::TooLarge { dimensions: self.header.dimensions })?;

@@ -5,6 +5,7 @@ use crate::measurement::Object;
 use crate::pictures::{LineChart, PictureError, PictureKind, PictureStyle, View, picture};
 use crate::runs::{InputObject, SurfaceRecord, sweep_panels};
 use crate::surface::{LocalQuantity, Surface};
+use crate::volume::hexadecimal;
 use serde::Serialize;
 
 /// One object's section.
@@ -12,6 +13,8 @@ use serde::Serialize;
 pub struct ObjectReport {
     /// Heading.
     pub title: String,
+    /// The object's colour in its file, as `#rrggbb`.
+    pub colour: Option<String>,
     /// All numbers.
     pub result: SurfaceRecord,
     /// The surface to turn; `None` where it has none or is too large.
@@ -59,6 +62,7 @@ impl ObjectReport {
         let shown: &[LocalQuantity] = if surface.is_empty() { &[] } else { &DRAWN };
         Ok(Self {
             title: source.title(),
+            colour: source.colour.map(hexadecimal),
             result: SurfaceRecord::new(source.record(), surface),
             scene_note: scene.is_none().then(|| why_no_scene(surface)),
             scene,

@@ -21,7 +21,7 @@ use std::time::Duration;
 /// assert_eq!((found.results.len(), found.failures.len()), (2, 0));
 /// # Ok::<(), std::io::Error>(())
 /// ```
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub struct Batch<'a> {
     /// Names of the inputs.
     pub inputs: &'a [String],

@@ -1,11 +1,12 @@
 //! An image that no process sees as a whole: it is measured block by block, anywhere, and what the blocks say is merged.
 
-use super::reading::{Reading, name_of};
+use super::called::Asked;
+use super::reading::Reading;
 use super::{Plan, Record, RunError};
 use crate::Control;
 use crate::measurement::{BoxShare, PartialMeasurement};
 use crate::tiling::IndexBox;
-use crate::volume::{Grid, LabelBlock, LabelGroup};
+use crate::volume::{Grid, LabelBlock, LabelGroup, LabelTable};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 
@@ -36,7 +37,7 @@ pub struct Blockwise {
     plan: Plan,
     grid: Grid,
     name: String,
-    label_names: BTreeMap<i64, String>,
+    names: LabelTable,
 }
 
 /// What blocks know of an object.
@@ -65,7 +66,10 @@ impl Blockwise {
                  pieces, fields, soft segmentations and lengths of labels of their own out, or measure the image as a whole",
             ));
         }
-        let run = Self { plan, grid, name: name.to_owned(), label_names };
+        let names = label_names.into_iter().collect::<LabelTable>().overlaid(&plan.open.names);
+        let labels = Asked::of(&plan, &names)?.labels;
+        let plan = Plan { labels, ..plan };
+        let run = Self { plan, grid, name: name.to_owned(), names };
         run.share(IndexBox::EMPTY)?;
         Ok(run)
     }
@@ -109,7 +113,7 @@ impl Blockwise {
             wants_whole: self.plan.wants_whole(&mut measured),
             record: Record {
                 input: self.name.clone(),
-                name: name_of(&self.label_names, &label),
+                name: self.names.name_of(&label),
                 label: Some(label),
                 component: None,
                 truth: None,

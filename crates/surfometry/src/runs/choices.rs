@@ -1,10 +1,10 @@
 //! What a caller says of a measurement, and the plan that it stands for: the defaults of every front end.
 
-use super::{LabelScales, Lengths, Plan, RunError};
+use super::{CalledObjects, LabelScales, Lengths, Plan, RunError, SelectionWords};
 use crate::inputs::{OpenOptions, Preparation};
 use crate::integrals::{QuadratureRule, Smearing};
 use crate::measurement::{Clip, CurvatureScale, Derivatives, EmbeddingKind, Measurement, Padding};
-use crate::volume::{LabelSelection, Spacing};
+use crate::volume::{LabelSelection, LabelTable, Spacing};
 
 /// What a caller says of a measurement. What is left out follows from the rest.
 ///
@@ -18,12 +18,14 @@ use crate::volume::{LabelSelection, Spacing};
 /// ```
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Choices {
-    /// Which labels.
-    pub labels: LabelSelection,
+    /// Which labels, by number or by name.
+    pub labels: SelectionWords,
     /// Spacing in mm, fastest axis first, in the place of the input's.
     pub spacing: Option<Spacing>,
     /// What is done to the voxels before.
     pub preparation: Preparation,
+    /// Names of labels, which win over the input's own.
+    pub names: LabelTable,
     /// Blur, mm.
     pub sigma: Lengths,
     /// Thickness of the band, mm.
@@ -54,23 +56,36 @@ impl Choices {
     /// # Errors
     /// [`RunError`] for choices that contradict each other, whatever the input.
     pub fn plan(&self, curvature: CurvatureScale) -> Result<Plan, RunError> {
+        let (labels, called_labels) = CalledObjects::of_selection(&self.labels);
+        let (sigma_mm, called_sigma) = CalledObjects::of_lengths(self.sigma.own());
+        let (thickness_mm, called_thickness) = CalledObjects::of_lengths(self.thickness.own());
+        let called =
+            CalledObjects { labels: called_labels, sigma_mm: called_sigma, thickness_mm: called_thickness };
         let plan = Plan {
             measurement: self.measurement(),
-            scales: LabelScales { sigma_mm: self.sigma.own(), thickness_mm: self.thickness.own() },
-            open: OpenOptions {
-                spacing: self.spacing.map(|spacing| spacing.mm()),
-                preparation: self.preparation,
-            },
-            labels: self.labels.clone(),
+            scales: LabelScales { sigma_mm, thickness_mm },
+            open: self.open_options(),
+            labels,
+            called,
             curvature,
             recover: self.embedding.is_none(),
             ..Plan::default()
         };
         plan.check()?;
-        if let LabelSelection::Groups(objects) = &plan.labels {
-            plan.scales.check(objects)?;
+        match &plan.labels {
+            LabelSelection::Groups(objects) if plan.called.labels.is_none() => plan.scales.check(objects)?,
+            _ => {}
         }
         Ok(plan)
+    }
+
+    /// What is known better than by the input.
+    pub fn open_options(&self) -> OpenOptions {
+        OpenOptions {
+            spacing: self.spacing.map(|spacing| spacing.mm()),
+            preparation: self.preparation,
+            names: self.names.clone(),
+        }
     }
 
     fn measurement(&self) -> Measurement {

@@ -18,6 +18,8 @@ pub enum Cure {
     GivenEmbedding,
     /// To choose among the labels that there are.
     Label,
+    /// To say what labels are called.
+    Names,
 }
 
 impl Cure {
@@ -25,6 +27,8 @@ impl Cure {
     pub fn of(error: &RunError) -> Option<Self> {
         match error {
             RunError::Input(InputError::MeshWithoutSpacing) => Some(Self::Spacing),
+            RunError::NoSuchName { nameless: true, .. } => Some(Self::Names),
+            RunError::NoSuchName { .. } | RunError::NoVoxels { .. } => Some(Self::Label),
             RunError::Input(InputError::Read(ReadError::Volume(error)))
             | RunError::Measure(MeasureError::Volume(error)) => Self::of_volume(error),
             _ => None,

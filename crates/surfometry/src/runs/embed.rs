@@ -6,7 +6,7 @@ use crate::inputs::with_parts;
 use crate::io::write_labels;
 use crate::measurement::{Parameters, VoxelQuantity};
 use crate::tiling::{Block, IndexBox};
-use crate::volume::{Grid, LabelGroup, LabelImage};
+use crate::volume::{Grid, LabelGroup, LabelImage, LabelSelection};
 use std::path::PathBuf;
 
 /// Writes, for each input, the label image of the embedded objects: the voxels at which the phi of an object is
@@ -69,10 +69,14 @@ impl EmbedTask {
     /// # Errors
     /// [`RunError::SharedLabel`].
     pub fn check(&self) -> Result<(), RunError> {
-        match self.plan.labels.shared() {
-            Some((label, [first, second])) => Err(RunError::SharedLabel { label, first, second }),
-            None => Ok(()),
-        }
+        refuse_shared(&self.plan.labels)
+    }
+}
+
+fn refuse_shared(labels: &LabelSelection) -> Result<(), RunError> {
+    match labels.shared() {
+        Some((label, [first, second])) => Err(RunError::SharedLabel { label, first, second }),
+        None => Ok(()),
     }
 }
 
@@ -85,6 +89,7 @@ impl Task for EmbedTask {
         self.check()?;
         let plan = Plan { recover: false, ..self.plan.clone() };
         let reading = Reading::of(input, &plan)?;
+        refuse_shared(&LabelSelection::Groups(reading.labels()))?;
         let mut claims = Claims::new(*input.source.grid());
         let mut objects = Vec::new();
         for object in reading.objects() {

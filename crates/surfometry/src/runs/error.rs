@@ -68,6 +68,26 @@ pub enum RunError {
         /// What may have been meant.
         cure: String,
     },
+    /// A name that no label of an input has, or several have.
+    #[error("no label is called `{name}`: {told}")]
+    NoSuchName {
+        /// The name.
+        name: String,
+        /// What is there instead, and what helps.
+        told: String,
+        /// Whether the input has no names at all.
+        nameless: bool,
+    },
+    /// A label with a name that does not occur.
+    #[error("`{name}` (label {label}) has no voxels; the image has {present}")]
+    NoVoxels {
+        /// The name.
+        name: String,
+        /// The label.
+        label: i64,
+        /// The labels that occur.
+        present: String,
+    },
     /// Objects of one image that share a label.
     #[error(
         "the objects {first} and {second} share label {label}, whose voxels can have the value of only one of them in an image: name each label once, or write an image for each object"

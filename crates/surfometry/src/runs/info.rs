@@ -3,7 +3,9 @@
 use super::reading::Watched;
 use super::{Item, Opened, RunError, Task};
 use crate::accuracy::Flag;
-use crate::volume::{LabelImage, LabelSummary};
+use crate::inputs::Source;
+use crate::tiling::IndexBox;
+use crate::volume::{LabelEntry, LabelGroup, LabelImage, LabelSelection, Selected, VolumeError, hexadecimal};
 use serde::Serialize;
 
 /// Describes every input: format, lattice, orientation, labels.
@@ -59,6 +61,8 @@ pub struct LabelDescription {
     pub label: i64,
     /// Its name, where the input holds one.
     pub name: Option<String>,
+    /// Its colour in sRGB, as `#rrggbb`, where the input holds one.
+    pub colour: Option<String>,
     /// Number of voxels.
     pub voxels: u64,
     /// Their volume.
@@ -73,14 +77,7 @@ impl Task for InfoTask {
     fn run(&self, input: &Opened, out: &mut dyn FnMut(Item<InputDescription>)) -> Result<(), RunError> {
         let Opened { name, source, control, .. } = input;
         let image = LabelImage::from_slabs(&mut Watched { slabs: source.slabs()?, input: name, control })?;
-        let (grid, header, names) = (source.grid(), source.header(), source.label_names());
-        let label = |s: &LabelSummary| LabelDescription {
-            label: s.label,
-            name: names.get(&s.label).cloned(),
-            voxels: s.voxels,
-            volume_mm3: s.voxels as f64 * grid.spacing().cell_volume(),
-            bounding_box: [s.bounds.lower, s.bounds.upper.map(|u| u - 1)],
-        };
+        let (grid, header) = (source.grid(), source.header());
         out(Item::Row(InputDescription {
             input: (*name).to_owned(),
             format: header.format,
@@ -89,9 +86,35 @@ impl Task for InfoTask {
             spacing_mm: grid.spacing().mm(),
             axes: grid.affine().axis_codes(),
             affine_ras_mm: AffineDescription { linear: grid.affine().linear, origin: grid.affine().origin },
-            labels: image.summaries().iter().map(label).collect(),
+            labels: described(&image, &**source)?,
             flags: source.flags(),
         }));
         Ok(())
     }
+}
+
+/// The labels that occur, or the segments.
+fn described(image: &LabelImage, source: &dyn Source) -> Result<Vec<LabelDescription>, RunError> {
+    let table = source.label_table();
+    let entry = |label: &LabelGroup| table.get(label.labels()[0]).cloned().unwrap_or_default();
+    let objects = match Selected::of(&LabelSelection::All, image, source.segments().as_ref()) {
+        Err(VolumeError::NoForeground) => Vec::new(),
+        objects => objects?,
+    };
+    let describe = |Selected { label, values }: Selected| {
+        let parts = values.labels().iter().filter_map(|&value| image.summary(value));
+        let (voxels, bounds) = parts.fold((0, IndexBox::EMPTY), |(voxels, bounds), part| {
+            (voxels + part.voxels, bounds.hull(&part.bounds))
+        });
+        let LabelEntry { name, colour } = entry(&label);
+        LabelDescription {
+            label: label.labels()[0],
+            name,
+            colour: colour.map(hexadecimal),
+            voxels,
+            volume_mm3: voxels as f64 * image.grid().spacing().cell_volume(),
+            bounding_box: [bounds.lower, bounds.upper.map(|u| u - 1)],
+        }
+    };
+    Ok(objects.into_iter().map(describe).collect())
 }

@@ -135,7 +135,7 @@ impl RunHead {
     /// # Errors
     /// [`JournalError`] for runs that keep no journal, and inputs named twice.
     pub fn new(plan: &Plan, shard: Shard, all: &[String]) -> Result<Self, JournalError> {
-        if !plan.scales.is_empty() {
+        if plan.has_scales() {
             return Err(JournalError::OwnLengths);
         }
         let mut seen = BTreeSet::new();

@@ -1,7 +1,7 @@
 //! Lengths of objects, as they are written.
 
+use super::label_words::{GroupWords, parts};
 use super::words::{WordError, positive};
-use crate::volume::{LabelGroup, LabelSelection};
 use std::str::FromStr;
 
 /// A length in mm, or the automatic one.
@@ -43,8 +43,8 @@ impl FromStr for Length {
 pub struct Lengths {
     /// That of all objects that have none of their own; `None` where nothing was said.
     pub of_all: Option<Length>,
-    /// Those of labels, or of labels that are united.
-    pub of_labels: Vec<(LabelGroup, Length)>,
+    /// Those of labels, or of labels that are united, by number or by name.
+    pub of_labels: Vec<(GroupWords, Length)>,
 }
 
 impl Lengths {
@@ -58,7 +58,7 @@ impl Lengths {
         matches!(self.of_all, Some(Length::Mm(_))) || !self.of_labels.is_empty()
     }
 
-    pub(super) fn own(&self) -> Vec<(LabelGroup, Option<f64>)> {
+    pub(super) fn own(&self) -> Vec<(GroupWords, Option<f64>)> {
         self.of_labels.iter().map(|(label, length)| (label.clone(), length.mm())).collect()
     }
 }
@@ -68,31 +68,24 @@ impl FromStr for Lengths {
 
     fn from_str(text: &str) -> Result<Self, WordError> {
         let mut lengths = Self::default();
-        for part in text.split(',') {
-            match part.split_once('=') {
-                None if lengths.of_all.is_some() => {
+        for part in parts(text, ',') {
+            let [label, mm] = parts(part, '=')[..] else {
+                if lengths.of_all.is_some() {
                     return Err(WordError(
                         "one length is for all labels; write the others as LABEL=MM".to_owned(),
                     ));
                 }
-                None => lengths.of_all = Some(part.parse()?),
-                Some((label, mm)) => {
-                    let label = one_label(label)?;
-                    if lengths.of_labels.iter().any(|(known, _)| known.is_same(&label)) {
-                        return Err(WordError(format!("label {label} has two lengths")));
-                    }
-                    lengths.of_labels.push((label, mm.parse()?));
-                }
+                lengths.of_all = Some(part.parse()?);
+                continue;
+            };
+            let label: GroupWords = label
+                .parse()
+                .map_err(|error| WordError(format!("{error}; name one label, or united ones as 1+2")))?;
+            if lengths.of_labels.iter().any(|(known, _)| known.is_same(&label)) {
+                return Err(WordError(format!("label {label} has two lengths")));
             }
+            lengths.of_labels.push((label, mm.parse()?));
         }
         Ok(lengths)
-    }
-}
-
-/// `N`, or `N+M` of united labels.
-fn one_label(text: &str) -> Result<LabelGroup, WordError> {
-    match text.parse::<LabelSelection>().map_err(|error| WordError(error.to_string()))? {
-        LabelSelection::Groups(groups) if groups.len() == 1 => Ok(groups[0].clone()),
-        _ => Err(WordError(format!("`{text}`: name one label, or united ones as 1+2"))),
     }
 }

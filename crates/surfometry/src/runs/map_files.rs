@@ -69,7 +69,7 @@ impl Default for MapStyle {
 
 /// Writes one file, or several where several pictures or quantities are asked for; their names.
 ///
-/// Where the input has several objects, `_label-N` goes before the ending.
+/// Where the input has several objects, `_NAME`, or `_label-N` of one without a name of its own, goes before the ending.
 ///
 /// # Errors
 /// [`RunError`].
@@ -80,8 +80,7 @@ pub fn write_map_files(
     ledger: &FileLedger,
 ) -> Result<Vec<PathBuf>, RunError> {
     let file = MapFile::of_path(path).ok_or(RunError::Unfit("the file's name ends in no known format"))?;
-    let label = source.label.as_ref().filter(|_| source.count > 1).map(|label| format!("label-{label}"));
-    let path = with_parts(path, label.as_slice());
+    let path = with_parts(path, source.file_part.as_slice());
     match file {
         // Voxel maps show what is there instead.
         MapFile::Mesh(_) | MapFile::Png | MapFile::Svg if source.surface().is_empty() => {

@@ -1,12 +1,13 @@
 //! Objects to records.
 
 use super::ExplainTopology;
+use super::called::{Asked, with_name};
 use super::fingerprint::Fingerprint;
 use super::object::prepared_flags;
-use super::reading::{FileStamps, Watched, grey_values, name_of};
+use super::reading::{FileStamps, Watched, grey_values};
 use super::{Item, Opened, Plan, Reading, Record, RunError, Task};
 use crate::inputs::open;
-use crate::measurement::{Measured, StageSeconds};
+use crate::measurement::{MeasureError, Measured, StageSeconds, StreamError};
 use crate::volume::{LabelGroup, look_grey};
 use crate::{Control, Event};
 use rayon::prelude::*;
@@ -28,7 +29,12 @@ impl Task for MeasureTask {
     type Row = Record;
 
     fn run(&self, input: &Opened, out: &mut dyn FnMut(Item<Record>)) -> Result<(), RunError> {
-        if self.needs_all() { self.of_whole(input, out) } else { self.of_stream(input, out) }
+        // Segments that may overlap are known once all voxels are.
+        if self.needs_all() || input.source.segments().is_some() {
+            self.of_whole(input, out)
+        } else {
+            self.of_stream(input, out)
+        }
     }
 }
 
@@ -73,16 +79,21 @@ impl MeasureTask {
         let Opened { name, source, control, .. } = input;
         let files = FileStamps::of(&**source);
         let fingerprint = Fingerprint::begin(&**source);
+        let table = source.label_table();
+        let asked = Asked::of(&self.plan, &table)?;
         let mut slabs = Watched { slabs: source.slabs()?, input: name, control };
-        let streamed =
-            self.plan.measurement.run_slabs_under(control, &mut slabs, &self.plan.labels, |at| {
-                control.tell(&Event::Slices {
-                    input: name,
-                    done: at.slices,
-                    of: at.of_slices,
-                    labels: at.labels,
-                });
-            })?;
+        let streamed = self.plan.measurement.run_slabs_under(control, &mut slabs, &asked.labels, |at| {
+            control.tell(&Event::Slices {
+                input: name,
+                done: at.slices,
+                of: at.of_slices,
+                labels: at.labels,
+            });
+        });
+        let streamed = streamed.map_err(|error| match error {
+            StreamError::Measure(MeasureError::Volume(error)) => with_name(error, &table),
+            error => error.into(),
+        })?;
         control.check()?;
         let file = crate::volume::SlabReader::file_time(&slabs).as_secs_f64();
         let read = streamed.source_seconds + streamed.encode_seconds;
@@ -93,7 +104,7 @@ impl MeasureTask {
         }
         let stages = results.iter().fold(StageSeconds::default(), |sum, (_, m)| sum.plus(&m.timings));
         self.tell_timings(input, [file, read - file], &stages);
-        let (mut flags, truth, names) = (source.flags(), source.truth(), source.label_names());
+        let (mut flags, truth) = (source.flags(), source.truth());
         let boxes = results.iter().map(|(_, m)| (m.voxels.count, m.voxels.box_voxels() as u64));
         flags.extend(grey_values(results.len(), look_grey(boxes)));
         let preparations = source.preparations();
@@ -102,7 +113,7 @@ impl MeasureTask {
             measured.flags.splice(0..0, flags.iter().cloned().chain(prepared_flags(preparation)));
             Record {
                 input: (*name).to_owned(),
-                name: name_of(&names, &label),
+                name: table.name_of(&label),
                 label: Some(label),
                 component: None,
                 truth,

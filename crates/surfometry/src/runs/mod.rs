@@ -3,6 +3,7 @@
 
 mod batch;
 mod blockwise;
+mod called;
 mod choices;
 mod cohort_files;
 mod columns;
@@ -17,6 +18,7 @@ mod info;
 mod journal;
 mod journalled;
 mod label_scales;
+mod label_words;
 mod lengths;
 mod made_by;
 #[cfg(feature = "pictures")]
@@ -27,6 +29,7 @@ mod measure;
 mod merge;
 mod mixed_sigma;
 mod object;
+mod object_names;
 #[cfg(feature = "pictures")]
 mod pictures;
 mod plan;
@@ -49,6 +52,7 @@ pub mod words;
 
 pub use batch::{Batch, Collected, Item, Opened, Outcome, Sink, Task};
 pub use blockwise::{BlockRecord, Blockwise};
+pub use called::CalledObjects;
 pub use choices::Choices;
 pub use cohort_files::{CohortFile, write_cohort, write_zoo};
 pub use cure::Cure;
@@ -62,6 +66,7 @@ pub use info::{AffineDescription, InfoTask, InputDescription, LabelDescription};
 pub use journal::{JOURNAL_SCHEMA, Journal, JournalError, RunHead};
 pub use journalled::journal_line;
 pub use label_scales::LabelScales;
+pub use label_words::{GroupWords, LabelWord, SelectionWords};
 pub use lengths::{Length, Lengths};
 pub use made_by::MadeBy;
 #[cfg(feature = "pictures")]

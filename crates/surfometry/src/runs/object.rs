@@ -33,8 +33,12 @@ pub struct InputObject {
     pub(super) facts: Arc<InputFacts>,
     /// Label, or labels that were united; `None` for a field.
     pub label: Option<LabelGroup>,
-    /// The label's name, where the input holds one.
+    /// The label's name, where the input holds one, or the names of united ones.
     pub name: Option<String>,
+    /// Its colour in sRGB, where the input holds one.
+    pub colour: Option<[u8; 3]>,
+    /// What tells its files from those of the input's other objects; `None` where it is the only one.
+    pub(super) file_part: Option<String>,
     /// Which of the label's pieces, the largest being 1; `None` where all are one object.
     pub component: Option<u64>,
     /// How many labels, or unions of labels, the input's objects come from.
@@ -61,9 +65,15 @@ impl InputObject {
     pub fn title(&self) -> String {
         let name = input_title(self.input());
         match &self.label {
-            Some(label) if self.facts.many_labels => format!("{name}, label {label}{}", self.piece_name()),
-            _ => name + &self.piece_name(),
+            Some(label) if self.facts.many_labels => {
+                format!("{name}, label {label}{}{}", self.bracketed_name(), self.piece_name())
+            }
+            _ => name + &self.bracketed_name() + &self.piece_name(),
         }
+    }
+
+    fn bracketed_name(&self) -> String {
+        self.name.as_ref().map_or_else(String::new, |name| format!(" ({name})"))
     }
 
     fn piece_name(&self) -> String {
@@ -89,9 +99,10 @@ impl InputObject {
     /// What is said where something of it could not be had: with its label, where there are several.
     pub fn failure(&self, error: &impl std::fmt::Display) -> Failure {
         match &self.label {
-            Some(label) if self.count > 1 || self.component.is_some() => {
-                Failure::new(self.input(), &format!("label {label}{}: {error}", self.piece_name()))
-            }
+            Some(label) if self.count > 1 || self.component.is_some() => Failure::new(
+                self.input(),
+                &format!("label {label}{}{}: {error}", self.bracketed_name(), self.piece_name()),
+            ),
             _ => Failure::new(self.input(), error),
         }
     }

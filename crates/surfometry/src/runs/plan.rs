@@ -1,10 +1,10 @@
 //! What is asked of every input of a run.
 
 use super::object::{looked_at, what_is_explained};
-use super::{LabelScales, ScaleLedger};
+use super::{CalledObjects, LabelScales, ScaleLedger};
 use crate::inputs::OpenOptions;
 use crate::measurement::{CurvatureScale, EmbeddingKind, MeasureError, Measured, Measurement};
-use crate::volume::{LabelGroup, LabelSelection};
+use crate::volume::LabelSelection;
 
 /// What is asked of every input of a run.
 ///
@@ -26,6 +26,8 @@ pub struct Plan {
     pub open: OpenOptions,
     /// Which labels.
     pub labels: LabelSelection,
+    /// What of these and of the scales is called by names, which each input has its own labels for.
+    pub called: CalledObjects,
     /// At which blur surfaces are mapped; of no meaning to integrals.
     pub curvature: CurvatureScale,
     /// Whether each 26-connected piece is an object of its own.
@@ -45,6 +47,7 @@ impl Default for Plan {
             scale_ledger: ScaleLedger::default(),
             open: OpenOptions::default(),
             labels: LabelSelection::default(),
+            called: CalledObjects::default(),
             curvature: CurvatureScale::default(),
             per_component: false,
             explain_topology: ExplainTopology::default(),
@@ -67,14 +70,14 @@ pub enum ExplainTopology {
 }
 
 impl Plan {
-    /// How an object of a label, or of labels that are united, is measured.
-    pub fn measurement_of(&self, label: &LabelGroup) -> Measurement {
-        self.scales.of(label, self.measurement)
-    }
-
     /// Whether objects are not those of labels, or not measured alike, so that they must be known as wholes.
     pub(super) fn needs_all(&self) -> bool {
-        !self.measurement.embedding.is_of_labels() || self.per_component || !self.scales.is_empty()
+        !self.measurement.embedding.is_of_labels() || self.per_component || self.has_scales()
+    }
+
+    /// Whether some objects have lengths of their own.
+    pub(super) fn has_scales(&self) -> bool {
+        !self.scales.is_empty() || self.called.has_lengths()
     }
 
     /// Whether an object that was measured while its slices went by is to be known as a whole: the blur loses detail of
@@ -96,7 +99,7 @@ impl Plan {
     pub fn check(&self) -> Result<(), MeasureError> {
         self.measurement.check()?;
         for label in self.scales.labels() {
-            self.measurement_of(label).check()?;
+            self.scales.of(label, self.measurement).check()?;
         }
         let conflict = |text| Err(MeasureError::Conflict(text));
         let mapped_apart = self.curvature != CurvatureScale::AsMeasured;
@@ -110,7 +113,7 @@ impl Plan {
             kind if !self.open.preparation.is_none() && !kind.is_of_labels() => conflict(
                 "a threshold, the largest component and filled cavities make a label image: leave them out, or measure that in another embedding",
             ),
-            kind if !self.scales.is_empty() && !kind.is_of_labels() => conflict(
+            kind if self.has_scales() && !kind.is_of_labels() => conflict(
                 "a field or soft segmentation has no labels: give one blur and one thickness for the whole",
             ),
             kind if self.labels != LabelSelection::All && !kind.is_of_labels() => {

@@ -1,17 +1,21 @@
 //! An input that was read as a whole: one reading serves all that is asked of it.
 
+use super::called::{Asked, with_name};
 use super::fingerprint::Fingerprint;
 use super::object::InputFacts;
-use super::{InputObject, Opened, Plan, RunError};
+use super::object_names::ObjectNames;
+use super::{InputObject, LabelScales, Opened, Plan, RunError};
 use crate::accuracy::{Flag, FlagCode};
 use crate::inputs::{InputError, Source};
-use crate::measurement::{CurvatureScale, EmbeddingKind, MeasureError, Measured};
+use crate::measurement::{CurvatureScale, EmbeddingKind, Measured};
 use crate::phantoms::Truth;
 use crate::topology::{ComponentLabels, Connectivity};
-use crate::volume::{FieldImage, LabelGroup, LabelImage, Mask, ProbabilityImage, Slab, SlabReader};
+use crate::volume::{
+    FieldImage, LabelGroup, LabelImage, LabelSelection, LabelTable, Mask, ProbabilityImage, Segments,
+    Selected, Slab, SlabReader,
+};
 use crate::{Control, Event, Stopped};
 use serde::{Deserialize, Serialize};
-use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::{Arc, OnceLock};
 use std::time::{Duration, Instant, SystemTime};
@@ -21,6 +25,8 @@ pub struct Reading<'a> {
     plan: &'a Plan,
     control: &'a Control,
     facts: Arc<InputFacts>,
+    /// Blur and thickness of objects that have their own, whatever the plan that they are measured by.
+    scales: LabelScales,
     content: Content,
 }
 
@@ -33,8 +39,10 @@ enum Content {
 /// A label image, and what was selected of it.
 struct Labelled {
     image: LabelImage,
-    groups: Vec<LabelGroup>,
-    names: BTreeMap<i64, String>,
+    /// Whether there are several labels or segments, selected or not.
+    many: bool,
+    objects: Vec<Selected>,
+    names: ObjectNames,
     truth: Option<Truth>,
 }
 
@@ -47,6 +55,7 @@ impl<'a> Reading<'a> {
         let start = Instant::now();
         let source = &*input.source;
         let mut slabs = Watched { slabs: source.slabs()?, input: input.name, control: input.control };
+        let mut scales = LabelScales::default();
         let content = match plan.measurement.embedding {
             EmbeddingKind::Given => Content::Field(field(source, &mut slabs)?),
             EmbeddingKind::Probability => {
@@ -55,24 +64,33 @@ impl<'a> Reading<'a> {
             }
             _ => {
                 let image = LabelImage::from_slabs(&mut slabs)?;
-                let groups = plan.labels.resolve(&image).map_err(MeasureError::from)?;
-                match input.part {
+                let (asked, objects, table) = selected(source, plan, &image)?;
+                let labels: Vec<LabelGroup> = objects.iter().map(|object| object.label.clone()).collect();
+                scales = match input.part {
                     // Of several, others may have what one lacks.
-                    Some(_) => plan.scale_ledger.note(&plan.scales, input.name, &groups),
-                    None => plan.scales.check(&groups)?,
+                    Some(_) => {
+                        plan.scale_ledger.note(&asked, input.name, &labels);
+                        asked.scales
+                    }
+                    None => asked.check(&labels)?,
+                };
+                let segments = source.segments();
+                if plan.labels == LabelSelection::All {
+                    tell_of_empty(input, segments.as_ref(), &table);
                 }
-                let (names, truth) = (source.label_names(), source.truth());
-                Content::Labels(Box::new(Labelled { image, groups, names, truth }))
+                let many =
+                    segments.map_or(image.summaries().len(), |segments| segments.present().count()) > 1;
+                let (names, truth) = (ObjectNames::new(table, &labels), source.truth());
+                Content::Labels(Box::new(Labelled { image, many, objects, names, truth }))
             }
         };
-        let many_labels =
-            matches!(&content, Content::Labels(labelled) if labelled.image.summaries().len() > 1);
+        let many_labels = matches!(&content, Content::Labels(labelled) if labelled.many);
         let mut facts = InputFacts::new(input, plan, many_labels, start.elapsed().as_secs_f64());
         if let Content::Labels(labelled) = &content {
             facts.flags.extend(grey_values(labelled.image.summaries().len(), labelled.image.looks_grey()));
         }
         let facts = Arc::new(facts);
-        Ok(Self { plan, control: input.control, facts, content })
+        Ok(Self { plan, control: input.control, facts, scales, content })
     }
 
     /// Some objects of an image of which only the part is known in which they are.
@@ -93,8 +111,11 @@ impl<'a> Reading<'a> {
             control: control.clone(),
             fingerprint: Fingerprint::none(),
         };
-        let labelled = Labelled { image, groups, names: BTreeMap::new(), truth: None };
-        Self { plan, control, facts: Arc::new(facts), content: Content::Labels(Box::new(labelled)) }
+        let objects = groups.into_iter().map(Selected::of_labels).collect();
+        let many = facts.many_labels;
+        let labelled = Labelled { image, many, objects, names: ObjectNames::default(), truth: None };
+        let (facts, content) = (Arc::new(facts), Content::Labels(Box::new(labelled)));
+        Self { plan, control, facts, scales: LabelScales::default(), content }
     }
 
     /// The numbers of an object that was measured while its slices went by, or block by block, now that it is known as a
@@ -136,8 +157,25 @@ impl<'a> Reading<'a> {
     /// How many labels, or unions of labels, were selected.
     pub fn count(&self) -> usize {
         match &self.content {
-            Content::Labels(labelled) => labelled.groups.len(),
+            Content::Labels(labelled) => labelled.objects.len(),
             Content::Probability { .. } | Content::Field(_) => 1,
+        }
+    }
+
+    /// The selected labels, or segments, in their order; none of a field or soft segmentation.
+    pub(super) fn labels(&self) -> Vec<LabelGroup> {
+        match &self.content {
+            Content::Labels(labelled) => labelled.objects.iter().map(|object| object.label.clone()).collect(),
+            Content::Probability { .. } | Content::Field(_) => Vec::new(),
+        }
+    }
+
+    /// What tells the files of an object from those of the others.
+    #[cfg(feature = "pictures")]
+    pub(super) fn file_part(&self, label: &LabelGroup) -> Option<String> {
+        match &self.content {
+            Content::Labels(labelled) => labelled.names.file_part(label),
+            Content::Probability { .. } | Content::Field(_) => None,
         }
     }
 
@@ -150,21 +188,22 @@ impl<'a> Reading<'a> {
                 vec![object.map(|object| InputObject { truth: *truth, ..object })]
             }
             Content::Labels(labelled) => {
-                let Labelled { image, groups, names, truth } = &**labelled;
-                let label = &groups[number];
-                let whole = image.group_mask(label);
+                let Labelled { image, objects, names, truth, .. } = &**labelled;
+                let Selected { label, values } = &objects[number];
+                let whole = image.group_mask(values);
                 let pieces = if plan.per_component {
                     ComponentLabels::of(&whole, Connectivity::Foreground26).masks(&whole)
                 } else {
                     vec![whole]
                 };
                 let truth = truth.filter(|_| pieces.len() == 1);
-                let name = name_of(names, label);
                 let object = |(piece, mask): (u64, Mask)| {
                     let component = plan.per_component.then_some(piece);
                     self.of_mask(mask, label, plan).map(|object| InputObject {
                         label: Some(label.clone()),
-                        name: name.clone(),
+                        name: names.of(label),
+                        colour: names.colour_of(label),
+                        file_part: names.file_part(label),
                         component,
                         truth,
                         ..object
@@ -176,7 +215,7 @@ impl<'a> Reading<'a> {
     }
 
     fn of_mask(&self, mask: Mask, label: &LabelGroup, plan: &Plan) -> Result<InputObject, RunError> {
-        let (mask, measurement) = (Arc::new(mask), plan.measurement_of(label));
+        let (mask, measurement) = (Arc::new(mask), self.scales.of(label, plan.measurement));
         let local = match plan.curvature {
             CurvatureScale::AsMeasured => None,
             scale => Some(measurement.for_local_curvature(&mask, scale)?.prepare(&mask)?.under(self.control)),
@@ -206,6 +245,8 @@ impl<'a> Reading<'a> {
             facts: Arc::clone(&self.facts),
             label: None,
             name: None,
+            colour: None,
+            file_part: None,
             component: None,
             count: self.count(),
             object: object.under(self.control),
@@ -239,17 +280,40 @@ pub(super) fn grey_values(labels: usize, looks_grey: bool) -> Option<Flag> {
     looks_grey.then(|| Flag::new(FlagCode::GreyValues, message))
 }
 
-/// The voxels of each selected object of an input that is read as a whole, one after the other.
+/// Says which segments have no voxels, for they have no results either.
+fn tell_of_empty(input: &Opened, segments: Option<&Segments>, table: &LabelTable) {
+    let name = |segment| table.name_of(&LabelGroup::single(segment)).unwrap_or_else(|| segment.to_string());
+    let empty: Vec<String> = segments.into_iter().flat_map(Segments::empty).map(name).collect();
+    if !empty.is_empty() {
+        let text = format!("without voxels, and so without results: {}", empty.join(", "));
+        input.control.tell(&Event::Note { input: input.name, text: &text });
+    }
+}
+
+/// What a plan asks of an image that was read to its end, and the objects that this selects.
+fn selected(
+    source: &dyn Source,
+    plan: &Plan,
+    image: &LabelImage,
+) -> Result<(Asked, Vec<Selected>, LabelTable), RunError> {
+    let table = source.label_table();
+    let asked = Asked::of(plan, &table)?;
+    let objects = Selected::of(&asked.labels, image, source.segments().as_ref())
+        .map_err(|error| with_name(error, &table))?;
+    Ok((asked, objects, table))
+}
+
+/// The voxels of each selected object of an input that is read as a whole, one after the other, with its name and label.
 pub(super) fn labelled_masks(
     input: &Opened,
     plan: &Plan,
-) -> Result<impl Iterator<Item = (LabelGroup, Mask)>, RunError> {
+) -> Result<impl Iterator<Item = (Option<String>, LabelGroup, Mask)>, RunError> {
     let mut slabs = Watched { slabs: input.source.slabs()?, input: input.name, control: input.control };
     let image = LabelImage::from_slabs(&mut slabs)?;
-    let groups = plan.labels.resolve(&image).map_err(MeasureError::from)?;
-    Ok(groups.into_iter().map(move |label| {
-        let mask = image.group_mask(&label);
-        (label, mask)
+    let (_, objects, table) = selected(&*input.source, plan, &image)?;
+    Ok(objects.into_iter().map(move |Selected { label, values }| {
+        let mask = image.group_mask(&values);
+        (table.name_of(&label), label, mask)
     }))
 }
 
@@ -290,13 +354,5 @@ impl FileStamps {
     pub(super) fn of(source: &dyn Source) -> Self {
         let stamp = |path: &PathBuf| path.metadata().ok().map(|m| (m.len(), m.modified().ok()));
         Self(source.files().iter().map(stamp).collect())
-    }
-}
-
-/// The name of a label that is an object by itself.
-pub(super) fn name_of(names: &BTreeMap<i64, String>, label: &LabelGroup) -> Option<String> {
-    match label.labels() {
-        [label] => names.get(label).cloned(),
-        _ => None,
     }
 }

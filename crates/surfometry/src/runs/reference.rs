@@ -22,6 +22,9 @@ pub struct ReferenceRecord {
     pub label: LabelGroup,
     /// The method's name.
     pub method: String,
+    /// The label's name, where the input holds one, or the names of united ones.
+    #[serde(default)]
+    pub name: Option<String>,
     /// What it gives.
     #[serde(flatten)]
     pub values: ReferenceValues,
@@ -76,7 +79,7 @@ impl Task for ReferenceTask<'_> {
             self.methods.iter().map(|&method| (method, method.prepared(grid.spacing()))).collect();
         let masks = labelled_masks(input, &self.plan)?;
         let truth = input.source.truth();
-        for (label, mask) in masks {
+        for (name, label, mask) in masks {
             let prepared = input.source.preparations().map(|all| all.of(Some(&label)));
             let of_input = input.source.flags().into_iter().chain(prepared_flags(prepared));
             let of_object: Vec<Flag> = of_input.chain(object_flags(&mask)).collect();
@@ -88,6 +91,7 @@ impl Task for ReferenceTask<'_> {
                     input: input.name.to_owned(),
                     label: label.clone(),
                     method: method.name().to_owned(),
+                    name: name.clone(),
                     values,
                     sample,
                     bone: BoneValues::of_sample(&values, &sample, total_volume),

@@ -1,11 +1,11 @@
 //! Which inputs of a run have the objects that are given lengths of their own.
 
-use super::LabelScales;
+use super::called::Asked;
 use crate::volume::LabelGroup;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// Which inputs of a run have the objects that [`LabelScales`] names. One input that lacks an object is no fault where
+/// Which inputs of a run have the objects that [`LabelScales`](super::LabelScales) names. One input that lacks an object is no fault where
 /// others have it. Clones are the same ledger.
 #[derive(Debug, Clone, Default)]
 pub struct ScaleLedger(Arc<Mutex<BTreeMap<String, Found>>>);
@@ -20,12 +20,11 @@ struct Found {
 
 impl ScaleLedger {
     /// Notes which of the objects that have their own lengths an input has.
-    pub(super) fn note(&self, scales: &LabelScales, input: &str, objects: &[LabelGroup]) {
+    pub(super) fn note(&self, asked: &Asked, input: &str, objects: &[LabelGroup]) {
         let mut found = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        let named: BTreeSet<(String, bool)> =
-            scales.labels().map(|label| (label.to_string(), label.is_among(objects))).collect();
+        let named: BTreeSet<(&str, bool)> = asked.found(objects).collect();
         for (label, is_there) in named {
-            let found = found.entry(label).or_default();
+            let found = found.entry(label.to_owned()).or_default();
             if is_there {
                 found.having += 1;
                 continue;

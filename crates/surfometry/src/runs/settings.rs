@@ -1,10 +1,10 @@
 //! Everything that a run's numbers depend on beside its inputs.
 
-use super::{ExplainTopology, LabelScales, Plan, ScaleLedger};
+use super::{CalledObjects, ExplainTopology, LabelScales, Plan, ScaleLedger};
 use crate::Measurement;
 use crate::inputs::{OpenOptions, Preparation};
 use crate::measurement::CurvatureScale;
-use crate::volume::{LabelGroup, LabelSelection};
+use crate::volume::{LabelGroup, LabelSelection, LabelTable};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
@@ -18,6 +18,12 @@ pub struct Settings {
     preparation: Preparation,
     /// `None` where all labels are measured.
     label: Option<Vec<LabelGroup>>,
+    /// What is called by names.
+    #[serde(default, skip_serializing_if = "CalledObjects::is_empty")]
+    called: CalledObjects,
+    /// Names that were given for labels.
+    #[serde(default, skip_serializing_if = "LabelTable::is_empty")]
+    names: LabelTable,
     per_component: bool,
     explain: bool,
     recover: bool,
@@ -37,6 +43,8 @@ impl Settings {
                 LabelSelection::All => None,
                 LabelSelection::Groups(groups) => Some(groups.clone()),
             },
+            called: plan.called.clone(),
+            names: plan.open.names.clone(),
             per_component: plan.per_component,
             explain: plan.explain_topology == ExplainTopology::Always,
             recover: plan.recover,
@@ -50,8 +58,13 @@ impl Settings {
             measurement: self.measurement,
             scales: self.scales.clone(),
             scale_ledger: ScaleLedger::default(),
-            open: OpenOptions { spacing: self.spacing, preparation: self.preparation },
+            open: OpenOptions {
+                spacing: self.spacing,
+                preparation: self.preparation,
+                names: self.names.clone(),
+            },
             labels: self.label.clone().map_or(LabelSelection::All, LabelSelection::Groups),
+            called: self.called.clone(),
             curvature: CurvatureScale::AsMeasured,
             per_component: self.per_component,
             explain_topology: if self.explain { ExplainTopology::Always } else { ExplainTopology::default() },

@@ -136,7 +136,7 @@ impl Task for SweepTask {
         // Object by object, each over the range.
         let place = |record: &Record| record.label.as_ref().map(|label| label.labels().to_vec());
         records.sort_by_key(|record| (place(record), record.component));
-        self.draw_charts(input, &records, out);
+        self.draw_charts(input, &reading, &records, out);
         if let Some(surfaces) = &self.surfaces {
             self.draw_surfaces(input, &reading, surfaces, out)?;
         }
@@ -180,13 +180,19 @@ impl SweepTask {
         reading.objects_of(&plan).map(|object| Ok(object?.record())).collect()
     }
 
-    fn draw_charts(&self, input: &Opened, records: &[Record], out: &mut dyn FnMut(Item<Record>)) {
+    fn draw_charts(
+        &self,
+        input: &Opened,
+        reading: &Reading,
+        records: &[Record],
+        out: &mut dyn FnMut(Item<Record>),
+    ) {
         let Some(chart) = &self.chart else { return };
         let path = with_parts(&chart.path, input.part.as_slice());
         let objects: Vec<&[Record]> = records.chunk_by(|a, b| a.label == b.label).collect();
         for object in &objects {
-            let label = object[0].label.as_ref().filter(|_| objects.len() > 1);
-            let path = with_parts(&path, label.map(|label| format!("label-{label}")).as_slice());
+            let part = object[0].label.as_ref().and_then(|label| reading.file_part(label));
+            let path = with_parts(&path, part.as_slice());
             if let Err(error) = write_sweep_chart(object, self.over, chart, &path, &self.ledger) {
                 input.fail(Failure::new(input.name, &format!("no chart: {error}")), out);
             }

@@ -25,6 +25,8 @@ mod labels;
 mod mask;
 mod probability;
 mod samples;
+#[cfg(feature = "io")]
+mod segments;
 mod selection;
 mod shared;
 mod slab;
@@ -39,6 +41,8 @@ pub use label_block::{LabelBlock, LabelBlockBuilder};
 pub(crate) use label_runs::LabelRuns;
 #[cfg(feature = "io")]
 pub(crate) use label_slabs::{LabelRewrite, LabelSlabs};
+#[cfg(feature = "io")]
+pub(crate) use label_table::hexadecimal;
 pub use label_table::{LabelEntry, LabelTable};
 pub(crate) use labels::RunEncoder;
 #[cfg(feature = "io")]
@@ -51,6 +55,10 @@ pub(crate) use probability::TOLERANCE as PROBABILITY_TOLERANCE;
 pub use samples::{Samples, Scalar, ScalarType};
 #[cfg(feature = "io")]
 pub(crate) use samples::{collected, for_samples};
+#[cfg(feature = "io")]
+pub use segments::{Segments, Selected};
+#[cfg(feature = "io")]
+pub(crate) use selection::without_repeats;
 pub use selection::{LabelGroup, LabelSelection, ParseSelectionError};
 pub use shared::Shared;
 pub use slab::{Slab, SlabReader, slices_a_slab};

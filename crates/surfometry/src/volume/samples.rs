@@ -92,6 +92,19 @@ impl Samples {
         self.len() == 0
     }
 
+    /// Every `count`th value, from the `first` on: one of layers that alternate.
+    #[cfg(feature = "io")]
+    pub(crate) fn every(&self, count: usize, first: usize) -> Self {
+        macro_rules! every {
+            ($($kind:ident),*) => {
+                match self {
+                    $(Self::$kind(values) => Self::$kind(values.iter().skip(first).step_by(count).copied().collect()),)*
+                }
+            };
+        }
+        every!(U8, I8, U16, I16, U32, I32, U64, I64, F32, F64)
+    }
+
     /// Every value times `slope` plus `intercept`.
     ///
     /// # Errors

@@ -154,7 +154,7 @@ impl FromStr for LabelSelection {
 }
 
 /// The first of each, in order.
-fn without_repeats<T: PartialEq>(items: Vec<T>) -> Vec<T> {
+pub(crate) fn without_repeats<T: PartialEq>(items: Vec<T>) -> Vec<T> {
     items.into_iter().fold(Vec::new(), |mut unique, item| {
         if !unique.contains(&item) {
             unique.push(item);

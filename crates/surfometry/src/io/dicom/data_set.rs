@@ -1,0 +1,127 @@
+//! A DICOM file's elements, as far as they are wanted.
+
+use super::{error, lengths};
+use crate::io::ReadError;
+use crate::io::packed::open_file;
+use dicom_dictionary_std::tags;
+use dicom_object::{DefaultDicomObject, InMemDicomObject, OpenFileOptions, Tag};
+use std::io::{BufReader, Read};
+use std::path::Path;
+
+/// Segmentation and label map segmentation storage.
+const SEGMENTATIONS: [&str; 2] = ["1.2.840.10008.5.1.4.1.1.66.4", "1.2.840.10008.5.1.4.1.1.66.7"];
+
+/// Compressions of pixel data, by how their identifiers begin.
+const COMPRESSED: [(&str, &str); 8] = [
+    ("1.2.840.10008.1.2.4.5", "JPEG"),
+    ("1.2.840.10008.1.2.4.7", "JPEG lossless"),
+    ("1.2.840.10008.1.2.4.8", "JPEG-LS"),
+    ("1.2.840.10008.1.2.4.9", "JPEG 2000"),
+    ("1.2.840.10008.1.2.4.10", "MPEG"),
+    ("1.2.840.10008.1.2.4.20", "HTJ2K"),
+    ("1.2.840.10008.1.2.5", "RLE"),
+    ("1.2.840.10008.1.2.1.99", "deflate"),
+];
+
+/// Whether a file has DICOM's mark behind its preamble.
+pub(in crate::io) fn is_dicom(path: &Path) -> bool {
+    let mut start = [0; 132];
+    open_file(path).is_ok_and(|(mut file, _)| file.read_exact(&mut start).is_ok()) && start.ends_with(b"DICM")
+}
+
+/// The elements of a file.
+pub(super) struct DataSet {
+    object: DefaultDicomObject,
+}
+
+impl DataSet {
+    /// All elements in front of the pixels.
+    pub(super) fn header(path: &Path) -> Result<Self, ReadError> {
+        Self::read(path, OpenFileOptions::new().read_until(tags::PIXEL_DATA))
+    }
+
+    /// All elements.
+    pub(super) fn whole(path: &Path) -> Result<Self, ReadError> {
+        Self::read(path, OpenFileOptions::new())
+    }
+
+    fn read(path: &Path, options: OpenFileOptions) -> Result<Self, ReadError> {
+        lengths::check(path)?;
+        let (file, _) = open_file(path)?;
+        let object = options
+            .from_reader(BufReader::new(file))
+            .map_err(|e| error(format!("{}; copy or export the file again", causes(&e))))?;
+        Ok(Self { object })
+    }
+
+    pub(super) fn is_segmentation(&self) -> bool {
+        self.text(tags::SOP_CLASS_UID).is_some_and(|class| SEGMENTATIONS.contains(&class.as_str()))
+    }
+
+    /// Refuses pixels that are compressed.
+    pub(super) fn check_pixels_are_plain(&self) -> Result<(), ReadError> {
+        let syntax = self.object.meta().transfer_syntax();
+        match COMPRESSED.iter().filter(|(uid, _)| syntax.starts_with(uid)).max_by_key(|(uid, _)| uid.len()) {
+            Some((_, name)) => Err(error(format!(
+                "the pixels are compressed with {name} (transfer syntax {syntax}), which is not read; `gdcmconv --raw IN OUT` or \
+                 `dcmconv +te IN OUT` unpacks a file"
+            ))),
+            None => Ok(()),
+        }
+    }
+
+    /// The bytes of the pixels, little-endian; to be asked of a whole data set.
+    pub(super) fn pixels(&self) -> Result<Vec<u8>, ReadError> {
+        self.check_pixels_are_plain()?;
+        let element = self.object.get(tags::PIXEL_DATA).ok_or_else(|| error("no pixels (7FE0,0010)"))?;
+        let bytes = element.to_bytes().map_err(|e| error(format!("the pixels cannot be read: {e}")))?;
+        Ok(bytes.into_owned())
+    }
+}
+
+/// What can be asked of a data set and of the items of its sequences.
+pub(super) trait Elements {
+    fn elements(&self) -> &InMemDicomObject;
+
+    /// Text without the padding; `None` where there is none.
+    fn text(&self, tag: Tag) -> Option<String> {
+        let text = self.elements().get(tag)?.to_str().ok()?;
+        let text = text.trim_matches([' ', '\0']);
+        (!text.is_empty()).then(|| text.to_owned())
+    }
+
+    fn whole_number(&self, tag: Tag) -> Option<i64> {
+        self.elements().get(tag)?.to_int().ok()
+    }
+
+    fn numbers<const N: usize>(&self, tag: Tag) -> Option<[f64; N]> {
+        let numbers = self.elements().get(tag)?.to_multi_float64().ok()?;
+        numbers.try_into().ok().filter(|numbers: &[f64; N]| numbers.iter().all(|v| v.is_finite()))
+    }
+
+    fn whole_numbers<const N: usize>(&self, tag: Tag) -> Option<[i64; N]> {
+        self.elements().get(tag)?.to_multi_int().ok()?.try_into().ok()
+    }
+
+    fn items(&self, tag: Tag) -> &[InMemDicomObject] {
+        self.elements().get(tag).and_then(|element| element.items()).unwrap_or_default()
+    }
+}
+
+impl Elements for DataSet {
+    fn elements(&self) -> &InMemDicomObject {
+        &self.object
+    }
+}
+
+impl Elements for InMemDicomObject {
+    fn elements(&self) -> &InMemDicomObject {
+        self
+    }
+}
+
+/// An error and what is behind it.
+fn causes(error: &dyn std::error::Error) -> String {
+    let chain = std::iter::successors(Some(error), |error| error.source());
+    chain.map(ToString::to_string).collect::<Vec<_>>().join(": ")
+}

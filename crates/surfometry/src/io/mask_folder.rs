@@ -1,0 +1,78 @@
+//! A folder of masks, a class a file, as TotalSegmentator and others write them: one image of segments with the files' names.
+
+use super::overlay::{Layer, Layers, Overlay};
+use super::{Format, ImageHeader, ReadError, Voxels};
+use crate::inputs::known_stem;
+use crate::volume::{Affine, LabelTable, ScalarType};
+use std::path::{Path, PathBuf};
+
+/// Reads the headers of all images in a folder. Their names, in order, are those of segments 1, 2, 3, ..
+pub(super) fn read_header(folder: &Path) -> Result<ImageHeader, ReadError> {
+    let files = masks(folder)?;
+    let mut headers = Vec::new();
+    for file in &files {
+        let header = super::read_header(file)
+            .map_err(|source| ReadError::InLayer { path: file.clone(), source: Box::new(source) })?;
+        if let Some(first) = headers.first() {
+            check_same_lattice(first, &header)?;
+        }
+        headers.push(header);
+    }
+    let Some(first) = headers.first().cloned() else {
+        return Err(ReadError::UnknownFormat("the folder holds no image".to_owned()));
+    };
+    let name =
+        |file: &PathBuf| known_stem(&file.file_name().unwrap_or_default().to_string_lossy()).to_owned();
+    let labels: LabelTable = (1..).zip(files.iter().map(name)).collect();
+    let layers = |(header, number)| Layers { header, layers: vec![Layer::Mask(number)] };
+    let images = headers.into_iter().zip(1..).map(layers).collect();
+    let data = Voxels::Assembled(Overlay::assembled(images, first.dimensions, [[0; 2]; 3]));
+    Ok(ImageHeader {
+        path: folder.to_owned(),
+        format: Format::MaskFolder,
+        scalar: ScalarType::I32,
+        labels,
+        data,
+        ..first
+    })
+}
+
+/// Images in a folder by their names, in order; the second file of a pair counts with the first, hidden ones not.
+pub(super) fn masks(folder: &Path) -> Result<Vec<PathBuf>, ReadError> {
+    let entries = std::fs::read_dir(folder).map_err(|e| ReadError::io(folder, e))?;
+    let paths = entries.map(|entry| entry.map(|entry| entry.path())).collect::<Result<Vec<_>, _>>();
+    let mut masks = paths.map_err(|e| ReadError::io(folder, e))?;
+    let ends = |path: &Path, ending: &str| path.to_string_lossy().to_lowercase().ends_with(ending);
+    let is_mask = |path: &PathBuf| {
+        let hidden = path.file_name().is_none_or(|name| name.to_string_lossy().starts_with('.'));
+        let second = ends(path, ".img") || ends(path, ".img.gz");
+        !hidden && !second && path.is_file() && Format::of_name(path).is_some()
+    };
+    masks.retain(is_mask);
+    masks.sort();
+    Ok(masks)
+}
+
+/// Part of a voxel by which places may differ: headers have single precision.
+const SLACK: f64 = 0.05;
+
+fn check_same_lattice(first: &ImageHeader, other: &ImageHeader) -> Result<(), ReadError> {
+    let near = |a: &Affine, b: &Affine| {
+        let corner = |n: usize| {
+            std::array::from_fn(|a| if n >> a & 1 == 1 { first.dimensions[a] as f64 } else { 0.0 })
+        };
+        let smallest = a.column_lengths().into_iter().fold(f64::INFINITY, f64::min);
+        (0..8).map(corner).all(|at| {
+            let [p, q] = [a.apply(at), b.apply(at)];
+            (0..3).all(|w| (p[w] - q[w]).abs() <= SLACK * smallest)
+        })
+    };
+    let same_place = match (&first.affine, &other.affine) {
+        (Some(a), Some(b)) => near(a, b),
+        (a, b) => a.is_none() && b.is_none(),
+    };
+    if first.dimensions == other.dimensions && same_place {
+        return Ok(());
+    }
+    Err(ReadError::OtherLattice { first: first.path.clone(), other: other.path.clone() })
+}

@@ -1,0 +1,221 @@
+//! Labels as they are written: by number or by name.
+
+use super::words::WordError;
+use crate::volume::{LabelGroup, LabelSelection, without_repeats};
+use serde::{Deserialize, Serialize};
+use std::fmt;
+use std::str::FromStr;
+
+/// A label, or labels that are one object.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum LabelWord {
+    /// By number; not 0, which is background.
+    Number(i64),
+    /// By name, of a label or a region.
+    Name(String),
+}
+
+/// What is united to one object.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct GroupWords(pub(super) Vec<LabelWord>);
+
+/// Which objects of an image are meant: all, or a list, each a label or united ones, by number or by name.
+///
+/// ```
+/// use surfometry::runs::SelectionWords;
+/// let words: SelectionWords = "2,liver+3,'heart, left'".parse()?;
+/// assert_eq!(words.to_string(), "2,liver+3,'heart, left'");
+/// # Ok::<(), surfometry::runs::WordError>(())
+/// ```
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub enum SelectionWords {
+    /// Each object that there is.
+    #[default]
+    All,
+    /// These, in this order.
+    Groups(Vec<GroupWords>),
+}
+
+impl GroupWords {
+    /// Whether it is the same words, in whatever order.
+    pub(super) fn is_same(&self, other: &Self) -> bool {
+        self.0.len() == other.0.len() && self.0.iter().all(|word| other.0.contains(word))
+    }
+
+    /// The labels, where none is called by name.
+    pub(super) fn numbers(&self) -> Option<LabelGroup> {
+        let number = |word: &LabelWord| match word {
+            LabelWord::Number(label) => Some(*label),
+            LabelWord::Name(_) => None,
+        };
+        self.0.iter().map(number).collect::<Option<_>>().map(LabelGroup::united)
+    }
+}
+
+impl SelectionWords {
+    /// The labels, where none is called by name.
+    pub(super) fn numbers(&self) -> Option<LabelSelection> {
+        match self {
+            Self::All => Some(LabelSelection::All),
+            Self::Groups(groups) => {
+                groups.iter().map(GroupWords::numbers).collect::<Option<_>>().map(LabelSelection::Groups)
+            }
+        }
+    }
+}
+
+impl From<LabelGroup> for GroupWords {
+    fn from(group: LabelGroup) -> Self {
+        Self(group.labels().iter().copied().map(LabelWord::Number).collect())
+    }
+}
+
+impl From<LabelSelection> for SelectionWords {
+    fn from(selection: LabelSelection) -> Self {
+        match selection {
+            LabelSelection::All => Self::All,
+            LabelSelection::Groups(groups) => Self::Groups(groups.into_iter().map(Into::into).collect()),
+        }
+    }
+}
+
+/// As it is written: names in quotes where they need them.
+impl fmt::Display for LabelWord {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Number(label) => label.fmt(f),
+            Self::Name(name) if name.contains([',', '+', '=', '"', '\'']) || is_no_name(name) => {
+                let quote = if name.contains('\'') { '"' } else { '\'' };
+                write!(f, "{quote}{name}{quote}")
+            }
+            Self::Name(name) => f.write_str(name),
+        }
+    }
+}
+
+impl fmt::Display for GroupWords {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.0.iter().map(ToString::to_string).collect::<Vec<_>>().join("+"))
+    }
+}
+
+impl fmt::Display for SelectionWords {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::All => f.write_str("all"),
+            Self::Groups(groups) => {
+                f.write_str(&groups.iter().map(ToString::to_string).collect::<Vec<_>>().join(","))
+            }
+        }
+    }
+}
+
+impl FromStr for SelectionWords {
+    type Err = WordError;
+
+    fn from_str(text: &str) -> Result<Self, WordError> {
+        if text == "all" {
+            return Ok(Self::All);
+        }
+        let groups = parts(text, ',').into_iter().map(str::parse).collect::<Result<Vec<_>, _>>()?;
+        Ok(Self::Groups(without_repeats(groups)))
+    }
+}
+
+impl FromStr for GroupWords {
+    type Err = WordError;
+
+    fn from_str(text: &str) -> Result<Self, WordError> {
+        let words = parts(text, '+').into_iter().map(str::parse).collect::<Result<Vec<_>, _>>()?;
+        Ok(Self(without_repeats(words)))
+    }
+}
+
+impl FromStr for LabelWord {
+    type Err = WordError;
+
+    fn from_str(text: &str) -> Result<Self, WordError> {
+        let word = text.trim();
+        if let Some(name) = unquoted(word) {
+            return Ok(Self::Name(name.to_owned()));
+        }
+        match word.parse() {
+            Ok(label) if label != 0 => Ok(Self::Number(label)),
+            _ if is_no_name(word) => Err(WordError(format!(
+                "`{text}` is no label; write `all`, `1`, `1,2` (two objects), `1+2` (one object of two labels) or names, as \
+                 `liver,spleen`; a name with a comma, a plus or an equals sign, or of digits alone, stands in quotes; 0 is background"
+            ))),
+            _ => Ok(Self::Name(word.to_owned())),
+        }
+    }
+}
+
+/// What would be taken for something else, or for a slip.
+fn is_no_name(word: &str) -> bool {
+    word.trim() != word || word.is_empty() || word == "all" || word.parse::<f64>().is_ok()
+}
+
+/// The parts between separators that are not in quotes; an apostrophe within a name is none.
+pub(super) fn parts(text: &str, separator: char) -> Vec<&str> {
+    let (mut quote, mut begins, mut start, mut found) = (None, true, 0, Vec::new());
+    for (at, c) in text.char_indices() {
+        match quote {
+            Some(open) if c == open => quote = None,
+            Some(_) => {}
+            None if begins && matches!(c, '\'' | '"') => quote = Some(c),
+            None if c == separator => {
+                found.push(&text[start..at]);
+                start = at + c.len_utf8();
+            }
+            None => {}
+        }
+        begins = matches!(c, ',' | '+' | '=') || begins && c.is_whitespace();
+    }
+    found.push(&text[start..]);
+    found
+}
+
+fn unquoted(word: &str) -> Option<&str> {
+    let quote = word.chars().next().filter(|c| matches!(c, '\'' | '"'))?;
+    word[1..].strip_suffix(quote).filter(|name| !name.is_empty())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn read(text: &str) -> Vec<Vec<String>> {
+        let word = |word: &LabelWord| match word {
+            LabelWord::Number(label) => format!("#{label}"),
+            LabelWord::Name(name) => name.clone(),
+        };
+        match text.parse().unwrap() {
+            SelectionWords::All => vec![],
+            SelectionWords::Groups(groups) => {
+                groups.iter().map(|group| group.0.iter().map(word).collect()).collect()
+            }
+        }
+    }
+
+    #[test]
+    fn numbers_and_names_mix() {
+        assert_eq!(read("1,liver+-3, left kidney"), [vec!["#1"], vec!["liver", "#-3"], vec!["left kidney"]]);
+        assert_eq!(read("'a,b'+\"c+d\",'7'"), [vec!["a,b", "c+d"], vec!["7"]]);
+        assert_eq!(read("Crohn's,2"), [vec!["Crohn's"], vec!["#2"]]);
+        assert_eq!(read("1,1,x+x"), [vec!["#1"], vec!["x"]]);
+        assert!(read("all").is_empty());
+        for slip in ["", "0", "1,,2", "1+", "1.5", "''", "liver,"] {
+            assert!(slip.parse::<SelectionWords>().is_err(), "{slip}");
+        }
+    }
+
+    #[test]
+    fn what_is_written_is_read_again() {
+        for text in ["all", "1,2+3", "liver,'a,b'", "\"Crohn's, old\"", "'12'+'all'", "'x=2'"] {
+            let words: SelectionWords = text.parse().unwrap();
+            assert_eq!(words.to_string(), text);
+            assert_eq!(words.to_string().parse::<SelectionWords>().unwrap(), words);
+        }
+    }
+}
