@@ -1,7 +1,7 @@
 //! Which format a file has.
 
 use super::ReadError;
-use super::foreign;
+use super::{foreign, stack};
 use std::path::Path;
 
 /// A supported file format.
@@ -21,16 +21,27 @@ pub enum Format {
     Aim,
     /// Scanco ISQ: .isq.
     Isq,
+    /// TIFF: .tif, .tiff.
+    Tiff,
+    /// Legacy VTK, structured points: .vtk.
+    LegacyVtk,
+    /// VTK's XML image data: .vti.
+    Vti,
+    /// A folder of slices, each a TIFF or PNG file.
+    Slices,
+    /// Zarr and OME-Zarr: a folder.
+    #[cfg(feature = "zarr")]
+    Zarr,
 }
 
-const SUPPORTED: &str = "supported are NIfTI (.nii, .nii.gz, .hdr/.img), MetaImage (.mha, .mhd), NRRD (.nrrd, .nhdr), NumPy (.npy), FreeSurfer (.mgh, .mgz) and Scanco (.aim, .isq)";
+const SUPPORTED: &str = "supported are NIfTI (.nii, .nii.gz, .hdr/.img), MetaImage (.mha, .mhd), NRRD (.nrrd, .nhdr), NumPy (.npy), FreeSurfer (.mgh, .mgz), Scanco (.aim, .isq), TIFF (.tif), folders of TIFF or PNG slices, VTK (.vtk, .vti) and OME-Zarr (.zarr)";
 
 /// Endings of files that are compressed as a whole.
 pub(crate) const PACKED: [&str; 2] = [".gz", ".bz2"];
 
 impl Format {
     /// How names of its files end.
-    pub(crate) const ENDINGS: [(Self, &[&str]); 7] = [
+    pub(crate) const ENDINGS: [(Self, &[&str]); 10] = [
         (Self::Nifti, &[".nii", ".nii.gz", ".hdr", ".hdr.gz", ".img", ".img.gz"]),
         (Self::MetaImage, &[".mha", ".mhd"]),
         (Self::Nrrd, &[".nrrd", ".nhdr"]),
@@ -38,6 +49,9 @@ impl Format {
         (Self::Mgh, &[".mgh", ".mgz"]),
         (Self::Aim, &[".aim"]),
         (Self::Isq, &[".isq"]),
+        (Self::Tiff, &[".tif", ".tiff"]),
+        (Self::LegacyVtk, &[".vtk"]),
+        (Self::Vti, &[".vti"]),
     ];
 
     /// The format of a file, by its name.
@@ -53,8 +67,12 @@ impl Format {
             _ => ReadError::io(path, e),
         })?;
         if metadata.is_dir() {
-            let message = format!("a folder: DICOM series and OME-Zarr are not read yet; {SUPPORTED}");
-            return Err(ReadError::UnknownFormat(message));
+            let message = || {
+                format!(
+                    "a folder that is no Zarr array or image, and without files that end in .tif or .png; {SUPPORTED}"
+                )
+            };
+            return Self::of_folder(path).ok_or_else(|| ReadError::UnknownFormat(message()));
         }
         if !metadata.is_file() {
             return Err(ReadError::UnknownFormat(
@@ -72,6 +90,15 @@ impl Format {
                 "the file's ending names no format that is read{content}; {SUPPORTED}"
             ))
         })
+    }
+
+    /// By what a folder holds.
+    fn of_folder(path: &Path) -> Option<Self> {
+        #[cfg(feature = "zarr")]
+        if super::zarr::is_zarr(path) {
+            return Some(Self::Zarr);
+        }
+        stack::holds_slices(path).then_some(Self::Slices)
     }
 
     /// By the name's ending, in front of that of a file compressed as a whole.
@@ -98,14 +125,20 @@ impl Format {
             Self::Mgh => "FreeSurfer MGH",
             Self::Aim => "Scanco AIM",
             Self::Isq => "Scanco ISQ",
+            Self::Tiff => "TIFF",
+            Self::LegacyVtk => "legacy VTK",
+            Self::Vti => "VTK image data",
+            Self::Slices => "slices",
+            #[cfg(feature = "zarr")]
+            Self::Zarr => "Zarr",
         }
     }
 
     /// How many bytes the format itself may put behind the last voxel.
     pub(super) fn trailer(self) -> u64 {
         match self {
-            // Parameters of the scan and tags; data that belong to the image.
-            Self::Mgh | Self::Aim => u64::MAX,
+            // Parameters of the scan and tags; data that belong to the image; what the places in the header tell apart.
+            Self::Mgh | Self::Aim | Self::Tiff | Self::LegacyVtk => u64::MAX,
             // The rest of a block of VMS.
             Self::Isq => 511,
             _ => 0,

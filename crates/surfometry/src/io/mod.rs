@@ -19,6 +19,7 @@ mod binary_header;
 mod digest;
 mod encoding;
 mod error;
+mod file_series;
 mod foreign;
 mod format;
 mod growing_file;
@@ -33,10 +34,15 @@ mod nifti_writer;
 mod npy;
 mod nrrd;
 mod packed;
+mod stack;
 mod text_header;
+mod text_numbers;
 mod timed_file;
 mod voxel_stream;
+mod vtk;
 mod whole_file;
+#[cfg(feature = "zarr")]
+mod zarr;
 
 pub(crate) use digest::sha256_text;
 pub use error::ReadError;
@@ -98,6 +104,12 @@ pub fn read_header(path: impl AsRef<Path>) -> Result<ImageHeader, ReadError> {
         Format::Mgh => mgh::read_header(path),
         Format::Aim => aim::read_header(path),
         Format::Isq => isq::read_header(path),
+        Format::Tiff => stack::read_tiff(path),
+        Format::LegacyVtk => vtk::read_legacy(path),
+        Format::Vti => vtk::read_image_data(path),
+        Format::Slices => stack::read_folder(path),
+        #[cfg(feature = "zarr")]
+        Format::Zarr => zarr::read_header(path),
     };
     // Who cannot read it may say what it is instead.
     header.map_err(|error| match foreign::content(path) {
