@@ -3,7 +3,7 @@
 use super::ReadError;
 #[cfg(feature = "dicom")]
 use super::dicom;
-use super::{foreign, mask_folder};
+use super::{foreign, mask_folder, stack};
 use std::path::Path;
 
 /// A supported file format.
@@ -28,16 +28,27 @@ pub enum Format {
     Dicom,
     /// A folder of masks, a class a file.
     MaskFolder,
+    /// TIFF: .tif, .tiff.
+    Tiff,
+    /// Legacy VTK, structured points: .vtk.
+    LegacyVtk,
+    /// VTK's XML image data: .vti.
+    Vti,
+    /// A folder of slices, each a TIFF or PNG file.
+    Slices,
+    /// Zarr and OME-Zarr: a folder.
+    #[cfg(feature = "zarr")]
+    Zarr,
 }
 
-const SUPPORTED: &str = "supported are NIfTI (.nii, .nii.gz, .hdr/.img), MetaImage (.mha, .mhd), NRRD (.nrrd, .nhdr, .seg.nrrd), NumPy (.npy), FreeSurfer (.mgh, .mgz), Scanco (.aim, .isq), DICOM (by content) and folders of masks or of a DICOM series";
+const SUPPORTED: &str = "supported are NIfTI (.nii, .nii.gz, .hdr/.img), MetaImage (.mha, .mhd), NRRD (.nrrd, .nhdr, .seg.nrrd), NumPy (.npy), DICOM (by content), FreeSurfer (.mgh, .mgz), Scanco (.aim, .isq), TIFF (.tif), VTK (.vtk, .vti), OME-Zarr (.zarr), and folders of TIFF or PNG slices, of masks, or of a DICOM series";
 
 /// Endings of files that are compressed as a whole.
 pub(crate) const PACKED: [&str; 2] = [".gz", ".bz2"];
 
 impl Format {
     /// How names of its files end.
-    pub(crate) const ENDINGS: [(Self, &[&str]); 7] = [
+    pub(crate) const ENDINGS: [(Self, &[&str]); 10] = [
         (Self::Nifti, &[".nii", ".nii.gz", ".hdr", ".hdr.gz", ".img", ".img.gz"]),
         (Self::MetaImage, &[".mha", ".mhd"]),
         (Self::Nrrd, &[".nrrd", ".nhdr"]),
@@ -45,6 +56,9 @@ impl Format {
         (Self::Mgh, &[".mgh", ".mgz"]),
         (Self::Aim, &[".aim"]),
         (Self::Isq, &[".isq"]),
+        (Self::Tiff, &[".tif", ".tiff"]),
+        (Self::LegacyVtk, &[".vtk"]),
+        (Self::Vti, &[".vti"]),
     ];
 
     /// The format of a file, by its name.
@@ -93,15 +107,23 @@ impl Format {
 
     /// The format of a folder, by what it holds.
     fn of_folder(path: &Path) -> Result<Self, ReadError> {
+        #[cfg(feature = "zarr")]
+        if super::zarr::is_zarr(path) {
+            return Ok(Self::Zarr);
+        }
+        // In front of slices: TotalSegmentator puts a picture beside its masks.
         if !mask_folder::masks(path)?.is_empty() {
             return Ok(Self::MaskFolder);
+        }
+        if stack::holds_slices(path) {
+            return Ok(Self::Slices);
         }
         #[cfg(feature = "dicom")]
         if !dicom::files(path)?.is_empty() {
             return Ok(Self::Dicom);
         }
-        let message = format!("a folder without images: OME-Zarr is not read yet; {SUPPORTED}");
-        Err(ReadError::UnknownFormat(message))
+        let message = "a folder that is no Zarr, and without slices, masks or DICOM files";
+        Err(ReadError::UnknownFormat(format!("{message}; {SUPPORTED}")))
     }
 
     /// By the name's ending, in front of that of a file compressed as a whole.
@@ -131,14 +153,20 @@ impl Format {
             #[cfg(feature = "dicom")]
             Self::Dicom => "DICOM",
             Self::MaskFolder => "masks",
+            Self::Tiff => "TIFF",
+            Self::LegacyVtk => "legacy VTK",
+            Self::Vti => "VTK image data",
+            Self::Slices => "slices",
+            #[cfg(feature = "zarr")]
+            Self::Zarr => "Zarr",
         }
     }
 
     /// How many bytes the format itself may put behind the last voxel.
     pub(super) fn trailer(self) -> u64 {
         match self {
-            // Parameters of the scan and tags; data that belong to the image.
-            Self::Mgh | Self::Aim => u64::MAX,
+            // Parameters of the scan and tags; data that belong to the image; what the places in the header tell apart.
+            Self::Mgh | Self::Aim | Self::Tiff | Self::LegacyVtk => u64::MAX,
             // The rest of a block of VMS.
             Self::Isq => 511,
             _ => 0,

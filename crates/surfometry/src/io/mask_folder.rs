@@ -46,7 +46,9 @@ pub(super) fn masks(folder: &Path) -> Result<Vec<PathBuf>, ReadError> {
     let is_mask = |path: &PathBuf| {
         let hidden = path.file_name().is_none_or(|name| name.to_string_lossy().starts_with('.'));
         let second = ends(path, ".img") || ends(path, ".img.gz");
-        !hidden && !second && path.is_file() && Format::of_name(path).is_some()
+        // A folder of TIFF files is one of slices.
+        let is_image = Format::of_name(path).is_some_and(|format| format != Format::Tiff);
+        !hidden && !second && path.is_file() && is_image
     };
     masks.retain(is_mask);
     masks.sort();

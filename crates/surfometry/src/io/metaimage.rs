@@ -3,6 +3,7 @@
 //! # References
 //! <https://itk.org/Wiki/ITK/MetaIO/Documentation>. World coordinates are LPS.
 
+use super::file_series::{self, FileSeries};
 use super::header::{
     ByteOrder, DataOffset, Encoding, ImageHeader, OpenedFile, VoxelData, Voxels, three_dimensions,
 };
@@ -36,8 +37,16 @@ pub(super) fn read_header(path: &Path) -> Result<ImageHeader, ReadError> {
     let dimensions = three_dimensions(&axes)?;
     let scalar = scalar(keys.text("ElementType").unwrap_or("none"))?;
     let affine = affine(&keys, axes.len())?;
-    let position = lines.position();
-    let data = Voxels::Stored(data(path, &keys, position, lines.into_file())?);
+    let data = match series(path, &keys, &mut lines, scalar)? {
+        Some(series) => {
+            let slice = (dimensions[0] * dimensions[1] * scalar.bytes()) as u64;
+            series.voxels(dimensions[2], slice).map_err(error)?
+        }
+        None => {
+            let position = lines.position();
+            Voxels::Stored(data(path, &keys, position, lines.into_file())?)
+        }
+    };
     let stated_spacing = spacing(&keys)?;
     Ok(ImageHeader {
         path: path.to_owned(),
@@ -147,25 +156,62 @@ fn affine(keys: &Keys, axes: usize) -> Result<Option<Affine>, ReadError> {
     Ok(Some(affine.with_lps_swapped().scaled(unit(keys).unwrap_or(1.0))))
 }
 
-fn data(path: &Path, keys: &Keys, header_end: u64, header: Packed) -> Result<VoxelData, ReadError> {
+/// The data files, where there are several.
+fn series(
+    path: &Path,
+    keys: &Keys,
+    lines: &mut Lines,
+    scalar: ScalarType,
+) -> Result<Option<FileSeries>, ReadError> {
     let file = keys.text("ElementDataFile").unwrap_or_default();
+    let files = if file.split_whitespace().next() == Some("LIST") {
+        lines
+            .map(|line| line.trim().to_owned())
+            .filter(|line| !line.is_empty())
+            .map(|name| beside(path, &name))
+            .collect()
+    } else if file.contains('%') {
+        let wrong = || {
+            error(format!(
+                "ElementDataFile = {file} is no pattern with first, last and step; name the files in a LIST"
+            ))
+        };
+        file_series::of_pattern(path, file).ok_or_else(wrong)?
+    } else {
+        return Ok(None);
+    };
+    let Storage { encoding, order, offset } = storage(keys)?;
+    Ok(Some(FileSeries { files, encoding, offset, order, width: scalar.bytes() }))
+}
+
+/// How voxels are stored that are not behind the header.
+struct Storage {
+    encoding: Encoding,
+    order: ByteOrder,
+    offset: DataOffset,
+}
+
+fn storage(keys: &Keys) -> Result<Storage, ReadError> {
     if keys.flag("BinaryData")? == Some(false) {
         return Err(error("voxels written as text; save the image with binary data"));
-    }
-    if file == "LIST" || file.contains('%') {
-        return Err(error("one data file a slice (LIST); save the image as one .mha file"));
     }
     let big = keys.flag("BinaryDataByteOrderMSB")?.or(keys.flag("ElementByteOrderMSB")?) == Some(true);
     let compressed = keys.flag("CompressedData")? == Some(true);
     let encoding = if compressed { Encoding::Zlib } else { Encoding::Raw };
     let order = if big { ByteOrder::Big } else { ByteOrder::Little };
-    if file.eq_ignore_ascii_case("local") {
-        return header.data(header_end, encoding, order);
-    }
     let offset = match keys.one::<i64>("HeaderSize")?.unwrap_or(0) {
         -1 => DataOffset::FromEnd,
         skip => DataOffset::Stored(u64::try_from(skip).map_err(|_| error(format!("HeaderSize = {skip}")))?),
     };
+    Ok(Storage { encoding, order, offset })
+}
+
+fn data(path: &Path, keys: &Keys, header_end: u64, header: Packed) -> Result<VoxelData, ReadError> {
+    let file = keys.text("ElementDataFile").unwrap_or_default();
+    let Storage { encoding, order, offset } = storage(keys)?;
+    if file.eq_ignore_ascii_case("local") {
+        return header.data(header_end, encoding, order);
+    }
     let path = beside(path, file);
     Ok(VoxelData { path, opened: OpenedFile::default(), encoding, offset, order, scaling: None })
 }

@@ -22,6 +22,7 @@ mod dicom;
 mod digest;
 mod encoding;
 mod error;
+mod file_series;
 mod foreign;
 mod format;
 mod growing_file;
@@ -41,10 +42,15 @@ mod nrrd;
 mod overlay;
 mod packed;
 mod segmentation;
+mod stack;
 mod text_header;
+mod text_numbers;
 mod timed_file;
 mod voxel_stream;
+mod vtk;
 mod whole_file;
+#[cfg(feature = "zarr")]
+mod zarr;
 
 pub(crate) use digest::{hash_of_file, sha256_text};
 pub use error::ReadError;
@@ -112,6 +118,12 @@ pub fn read_header(path: impl AsRef<Path>) -> Result<ImageHeader, ReadError> {
         #[cfg(feature = "dicom")]
         Format::Dicom => return dicom::read_header(path),
         Format::MaskFolder => return mask_folder::read_header(path),
+        Format::Tiff => stack::read_tiff(path),
+        Format::LegacyVtk => vtk::read_legacy(path),
+        Format::Vti => vtk::read_image_data(path),
+        Format::Slices => stack::read_folder(path),
+        #[cfg(feature = "zarr")]
+        Format::Zarr => zarr::read_header(path),
     };
     // Who cannot read it may say what it is instead.
     header.map_err(|error| match foreign::content(path) {

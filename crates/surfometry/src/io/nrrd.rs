@@ -3,6 +3,7 @@
 //! # References
 //! <https://teem.sourceforge.net/nrrd/format.html>.
 
+use super::file_series::{self, FileSeries};
 use super::header::{
     ByteOrder, DataOffset, Encoding, ImageHeader, OpenedFile, VoxelData, Voxels, refuse_several,
     three_dimensions,
@@ -42,8 +43,16 @@ pub(super) fn read_header(path: &Path) -> Result<ImageHeader, ReadError> {
     let dimensions = three_dimensions(&axes.iter().map(|&a| sizes[a]).collect::<Vec<_>>())?;
     let Geometry { affine, stated_spacing } = geometry(&fields, &axes)?;
     let unknown_unit = unit(&fields)?.err();
-    let position = lines.position();
-    let data = Voxels::Stored(data(path, &fields, scalar, position, lines.into_file())?);
+    let data = match series(path, &fields, &mut lines, scalar)? {
+        Some(series) => {
+            let slice = (dimensions[0] * dimensions[1] * scalar.bytes()) as u64;
+            series.voxels(dimensions[2], slice).map_err(error)?
+        }
+        None => {
+            let position = lines.position();
+            Voxels::Stored(data(path, &fields, scalar, position, lines.into_file())?)
+        }
+    };
     let header = ImageHeader {
         path: path.to_owned(),
         format: Format::Nrrd,
@@ -73,14 +82,18 @@ impl Fields {
             if line.is_empty() {
                 break;
             }
-            match line.split_once(':') {
-                Some(_) if line.starts_with('#') => {}
-                Some((key, value)) => match value.strip_prefix('=') {
-                    Some(value) => pairs.insert(key.trim().to_owned(), value.to_owned()),
-                    None => fields.insert(key.trim().to_lowercase(), value.trim().to_owned()),
-                }
-                .map_or((), drop),
-                None => {}
+            let field = line.split_once(':').filter(|_| !line.starts_with('#'));
+            let Some((key, value)) = field else { continue };
+            if let Some(value) = value.strip_prefix('=') {
+                pairs.insert(key.trim().to_owned(), value.to_owned());
+                continue;
+            }
+            let (key, value) = (key.trim().to_lowercase(), value.trim().to_owned());
+            // The header's last line: the files' names follow.
+            let is_last = value.starts_with("LIST") && key.replace(' ', "") == "datafile";
+            fields.insert(key, value);
+            if is_last {
+                break;
             }
         }
         Self { fields, pairs }
@@ -237,7 +250,6 @@ fn data(
     file: Packed,
 ) -> Result<VoxelData, ReadError> {
     let (encoding, skip, order) = (encoding(fields)?, skip(fields)?, byte_order(fields, scalar)?);
-    let not_read = || error(format!("`byte skip: {skip}` with compressed data is not supported"));
     let Some(name) = fields.get(&["data file", "datafile"]) else {
         let data = match (u64::try_from(skip), encoding) {
             (Ok(skip), Encoding::Raw) => file.data(header_end.saturating_add(skip), encoding, order)?,
@@ -245,21 +257,55 @@ fn data(
             (Err(_), Encoding::Raw) if !file.is_packed() => {
                 VoxelData { offset: DataOffset::FromEnd, ..file.data(0, encoding, order)? }
             }
-            _ => return Err(not_read()),
+            _ => return Err(skipped_and_packed(skip)),
         };
         return Ok(data);
     };
-    if name.starts_with("LIST") || name.contains('%') {
-        return Err(error("one data file a slice; save the image as one .nrrd file"));
-    }
-    let offset = match (u64::try_from(skip), encoding) {
-        (Ok(skip), Encoding::Raw) => DataOffset::Stored(skip),
-        (Ok(skip), _) => DataOffset::Decoded(skip),
-        (Err(_), Encoding::Raw) => DataOffset::FromEnd,
-        _ => return Err(not_read()),
-    };
-    let path = beside(path, name);
+    let (path, offset) = (beside(path, name), detached(skip, encoding)?);
     Ok(VoxelData { path, opened: OpenedFile::default(), encoding, offset, order, scaling: None })
+}
+
+fn skipped_and_packed(skip: i64) -> ReadError {
+    error(format!("`byte skip: {skip}` with compressed data is not supported"))
+}
+
+/// Where the voxels begin in a data file.
+fn detached(skip: i64, encoding: Encoding) -> Result<DataOffset, ReadError> {
+    match (u64::try_from(skip), encoding) {
+        (Ok(skip), Encoding::Raw) => Ok(DataOffset::Stored(skip)),
+        (Ok(skip), _) => Ok(DataOffset::Decoded(skip)),
+        (Err(_), Encoding::Raw) => Ok(DataOffset::FromEnd),
+        _ => Err(skipped_and_packed(skip)),
+    }
+}
+
+/// The data files, where there are several.
+fn series(
+    path: &Path,
+    fields: &Fields,
+    lines: &mut Lines,
+    scalar: ScalarType,
+) -> Result<Option<FileSeries>, ReadError> {
+    let Some(name) = fields.get(&["data file", "datafile"]) else { return Ok(None) };
+    let files = if name.split_whitespace().next() == Some("LIST") {
+        lines
+            .map(|line| line.trim().to_owned())
+            .filter(|line| !line.is_empty())
+            .map(|name| beside(path, &name))
+            .collect()
+    } else if name.contains('%') {
+        let wrong = || {
+            error(format!(
+                "`data file: {name}` is no pattern with first, last and step; name the files in a LIST"
+            ))
+        };
+        file_series::of_pattern(path, name).ok_or_else(wrong)?
+    } else {
+        return Ok(None);
+    };
+    let (encoding, order) = (encoding(fields)?, byte_order(fields, scalar)?);
+    let offset = detached(skip(fields)?, encoding)?;
+    Ok(Some(FileSeries { files, encoding, offset, order, width: scalar.bytes() }))
 }
 
 fn encoding(fields: &Fields) -> Result<Encoding, ReadError> {

@@ -152,12 +152,33 @@ impl PackedStretch {
         }
     }
 
-    /// Behind the last voxel: nothing may be left of the stretch, and the file is read to its end, where decoders
-    /// compare their checksums.
+    /// Some of the next bytes, at most so many; none at the end.
+    pub(crate) fn some(&mut self, most: usize) -> Result<Vec<u8>, ReadError> {
+        let mut bytes = Vec::new();
+        let read = self.bytes.by_ref().take(most as u64).read_to_end(&mut bytes);
+        read.map(|_| bytes).map_err(|e| ReadError::damaged(&self.path, &e))
+    }
+
+    /// The bytes that are left.
+    pub(crate) fn into_reader(self) -> impl Read + Send {
+        self.bytes
+    }
+
+    /// The file.
+    pub(crate) fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Behind the last voxel: nothing may be left of the stretch.
     pub(crate) fn end(&mut self) -> Result<(), ReadError> {
         if self.array::<1>()?.is_some() {
             return Err(ReadError::damaged(&self.path, &"more of them than the header's voxels take"));
         }
+        self.drain()
+    }
+
+    /// Reads the file to its end, where decoders compare their checksums.
+    pub(crate) fn drain(&mut self) -> Result<(), ReadError> {
         self.bytes.set_limit(MOST_BEHIND);
         self.skip(MOST_BEHIND)
     }

@@ -5,6 +5,11 @@
 
 mod mgh;
 mod scanco;
+mod series;
+mod tiff;
+mod vtk;
+#[cfg(feature = "zarr")]
+mod zarr;
 
 use std::path::{Path, PathBuf};
 use surfometry::io::{ReadOptions, read_labels_with};

@@ -1,0 +1,207 @@
+//! VTK's XML image data.
+//!
+//! # References
+//! <https://docs.vtk.org/en/latest/vtk_file_formats/vtkxml_file_format.html>.
+
+use super::data_array::{DataArray, Form, SharedArray};
+use super::lattice;
+use crate::io::assembled::Assembled;
+use crate::io::header::{ByteOrder, ImageHeader, Voxels, three_dimensions};
+use crate::io::packed::Packed;
+use crate::io::text_header::numbers;
+use crate::io::{Format, ReadError};
+use crate::volume::{Affine, ScalarType};
+use roxmltree::{Document, Node, ParsingOptions};
+use std::path::Path;
+use std::sync::Arc;
+
+const APPENDED: &[u8] = b"<AppendedData";
+/// Text in front of appended voxels; and text with the voxels in it, which roxmltree counts with 32 bits.
+const SHORT: u64 = 1 << 20;
+const LONGEST: u64 = 1 << 31;
+
+pub(super) fn error(reason: impl Into<String>) -> ReadError {
+    ReadError::Header { format: Format::Vti.name(), reason: reason.into() }
+}
+
+/// Reads the header of a .vti file.
+pub(in crate::io) fn read_header(path: &Path) -> Result<ImageHeader, ReadError> {
+    let file = Packed::open(path)?;
+    let place = |bytes: &[u8]| bytes.windows(APPENDED.len()).position(|window| window == APPENDED);
+    let mut bytes = file.start(SHORT)?.0;
+    if place(&bytes).is_none() && bytes.len() as u64 == SHORT {
+        bytes = file.start(LONGEST)?.0;
+    }
+    // What is appended is no XML.
+    let appended = place(&bytes);
+    let text = match appended {
+        Some(at) => [&bytes[..at], b"</VTKFile>"].concat(),
+        None => bytes.clone(),
+    };
+    let text = String::from_utf8(text).map_err(|_| error("text that is no UTF-8; export the image again"))?;
+    let options = ParsingOptions { allow_dtd: false, ..ParsingOptions::default() };
+    let document = Document::parse_with_options(&text, options)
+        .map_err(|e| error(format!("{e}; the file ends early or is damaged: copy or export it again")))?;
+    let appended = appended.and_then(|at| appended_data(&bytes, at));
+    header(path, &document, appended)
+}
+
+/// Where what is appended begins, and whether as base64.
+fn appended_data(bytes: &[u8], at: usize) -> Option<(u64, bool)> {
+    let close = at + bytes[at..].iter().position(|&b| b == b'>')?;
+    let tag = String::from_utf8_lossy(&bytes[at..close]).into_owned();
+    let underscore = close + bytes[close..].iter().position(|&b| b == b'_')?;
+    Some((underscore as u64 + 1, tag.contains("base64")))
+}
+
+fn header(path: &Path, document: &Document, appended: Option<(u64, bool)>) -> Result<ImageHeader, ReadError> {
+    let file = document.root_element();
+    let image = child(file, "ImageData").ok_or_else(|| error("no ImageData; is this a VTK image?"))?;
+    let pieces: Vec<Node> = image.children().filter(|node| node.has_tag_name("Piece")).collect();
+    let whole: [i64; 6] =
+        list(image, "WholeExtent")?.ok_or_else(|| error("no WholeExtent; export the image again"))?;
+    let [piece] = pieces[..] else {
+        return Err(error(format!("{} pieces; save the image as one", pieces.len())));
+    };
+    if list(piece, "Extent")?.is_some_and(|extent: [i64; 6]| extent != whole) {
+        return Err(error("a piece that is not the whole image; save the image as one"));
+    }
+    let points = points(whole)?;
+    let spacing = list(image, "Spacing")?.unwrap_or([1.0; 3]);
+    let origin = list(image, "Origin")?.unwrap_or([0.0; 3]);
+    let (array, cells) = array(piece)?;
+    let (dimensions, first) = lattice(points, [0.0; 3], spacing, cells);
+    let dimensions = three_dimensions(&dimensions)?;
+    let scalar = scalar(array.attribute("type").unwrap_or_default())?;
+    let data = data_array(path, file, array, appended, scalar, dimensions)?;
+    let affine = affine(image, whole, spacing, origin, first)?;
+    Ok(ImageHeader {
+        affine: Some(affine),
+        stated_spacing: Some(spacing),
+        ..ImageHeader::new(
+            path,
+            Format::Vti,
+            dimensions,
+            scalar,
+            Voxels::Assembled(Assembled(Arc::new(SharedArray(Arc::new(data))))),
+        )
+    })
+}
+
+fn child<'a>(node: Node<'a, 'a>, name: &str) -> Option<Node<'a, 'a>> {
+    node.children().find(|child| child.has_tag_name(name))
+}
+
+fn list<T: std::str::FromStr, const N: usize>(node: Node, key: &str) -> Result<Option<[T; N]>, ReadError> {
+    let Some(text) = node.attribute(key) else { return Ok(None) };
+    let values = numbers(text).and_then(|list: Vec<T>| list.try_into().ok());
+    values
+        .map(Some)
+        .ok_or_else(|| error(format!("{key}=\"{text}\" is not {N} numbers; export the image again")))
+}
+
+fn points(extent: [i64; 6]) -> Result<[usize; 3], ReadError> {
+    let along = |a: usize| extent[2 * a + 1].checked_sub(extent[2 * a])?.checked_add(1)?.try_into().ok();
+    match [along(0), along(1), along(2)] {
+        [Some(x), Some(y), Some(z)] => Ok([x, y, z]),
+        _ => Err(error(format!("WholeExtent {extent:?} is impossible; export the image again"))),
+    }
+}
+
+/// World = origin + direction (spacing (index + extent's first)); `first` is the place of the first value in it.
+fn affine(
+    image: Node,
+    extent: [i64; 6],
+    spacing: [f64; 3],
+    origin: [f64; 3],
+    first: [f64; 3],
+) -> Result<Affine, ReadError> {
+    let rows: [f64; 9] = list(image, "Direction")?.unwrap_or([1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0]);
+    let directions = std::array::from_fn(|a| std::array::from_fn(|w| rows[3 * w + a]));
+    let turned = Affine::from_directions(directions, spacing, origin);
+    let index = std::array::from_fn(|a| {
+        extent[2 * a] as f64 + if spacing[a] == 0.0 { 0.0 } else { first[a] / spacing[a] }
+    });
+    Ok(Affine { origin: turned.apply(index), ..turned })
+}
+
+/// The array that is meant: that of the points or cells which is called their scalars, or else their first.
+fn array<'a>(piece: Node<'a, 'a>) -> Result<(Node<'a, 'a>, bool), ReadError> {
+    for (kind, cells) in [("PointData", false), ("CellData", true)] {
+        let Some(data) = child(piece, kind) else { continue };
+        let arrays = || data.children().filter(|node| node.has_tag_name("DataArray"));
+        let named = data
+            .attribute("Scalars")
+            .and_then(|name| arrays().find(|array| array.attribute("Name") == Some(name)));
+        let Some(array) = named.or_else(|| arrays().next()) else { continue };
+        let components = array.attribute("NumberOfComponents").unwrap_or("1");
+        if components != "1" {
+            return Err(error(format!(
+                "{components} components a voxel; save the label image alone, with one"
+            )));
+        }
+        return Ok((array, cells));
+    }
+    Err(error("no DataArray of points or cells; the file holds no voxels"))
+}
+
+fn scalar(name: &str) -> Result<ScalarType, ReadError> {
+    Ok(match name {
+        "UInt8" => ScalarType::U8,
+        "Int8" => ScalarType::I8,
+        "UInt16" => ScalarType::U16,
+        "Int16" => ScalarType::I16,
+        "UInt32" => ScalarType::U32,
+        "Int32" => ScalarType::I32,
+        "UInt64" => ScalarType::U64,
+        "Int64" => ScalarType::I64,
+        "Float32" => ScalarType::F32,
+        "Float64" => ScalarType::F64,
+        other => return Err(ReadError::VoxelType(format!("VTK {other}"))),
+    })
+}
+
+fn data_array(
+    path: &Path,
+    file: Node,
+    array: Node,
+    appended: Option<(u64, bool)>,
+    scalar: ScalarType,
+    dimensions: [usize; 3],
+) -> Result<DataArray, ReadError> {
+    let compressed = match file.attribute("compressor") {
+        None | Some("") => false,
+        Some("vtkZLibDataCompressor") => true,
+        Some(other) => return Err(error(format!("compressor {other}; save the image with zlib or without"))),
+    };
+    let order = match file.attribute("byte_order") {
+        Some("BigEndian") => ByteOrder::Big,
+        _ => ByteOrder::Little,
+    };
+    // The text's bytes, from which white space around it is not taken off.
+    let inline = || {
+        array
+            .children()
+            .find(Node::is_text)
+            .map(|text| (text.range().start as u64, text.range().len() as u64))
+    };
+    let (form, (at, size)) = match array.attribute("format").unwrap_or("ascii") {
+        "appended" => {
+            let offset: u64 = array
+                .attribute("offset")
+                .and_then(|offset| offset.trim().parse().ok())
+                .ok_or_else(|| error("an appended array without offset"))?;
+            let (start, base64) = appended
+                .ok_or_else(|| error("no AppendedData, where the voxels should be; the file ends early"))?;
+            (if base64 { Form::Base64 } else { Form::Raw }, (start.saturating_add(offset), u64::MAX))
+        }
+        form @ ("ascii" | "binary") => {
+            let place = inline().ok_or_else(|| error("an array without voxels; export the image again"))?;
+            (if form == "ascii" { Form::Text } else { Form::Base64 }, place)
+        }
+        other => return Err(error(format!("format {other} of an array is not known"))),
+    };
+    let wide = file.attribute("header_type") == Some("UInt64");
+    let voxels = dimensions.iter().fold(1u64, |product, &n| product.saturating_mul(n as u64));
+    Ok(DataArray { path: path.to_owned(), at, size, form, compressed, wide, order, scalar, voxels })
+}
