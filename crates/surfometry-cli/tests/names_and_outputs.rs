@@ -214,3 +214,28 @@ fn info_names_the_format_of_meshes() {
         assert_eq!(document(&output)[0]["format"], format);
     }
 }
+
+/// Where no more can be written, as on a full disk, the run ends and says where what was finished is: a whole document.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_full_disk_leaves_what_was_finished() {
+    let desk = Desk::new();
+    let inputs: Vec<String> =
+        (4..16).map(|radius| format!("'phantom:ball?radius={radius}&spacing=2,2,2'")).collect();
+    // The system takes ten kilobytes and then reports an error, which it does by a signal where nobody minds.
+    let program = env!("CARGO_BIN_EXE_surfometry");
+    let line =
+        format!("trap '' XFSZ; ulimit -f 20; exec {program} measure {} -q -o all.json", inputs.join(" "));
+    let output = Command::new("sh").args(["-c", &line]).current_dir(desk.0.path()).output().unwrap();
+    assert_eq!(output.status.code(), Some(1), "{}", text(&output.stderr));
+    assert!(
+        text(&output.stderr).contains("what was finished is in all.json.partial"),
+        "{}",
+        text(&output.stderr)
+    );
+    let kept = std::fs::read(desk.path("all.json.partial")).unwrap();
+    let document: Value = serde_json::from_slice(&kept).unwrap();
+    let results = document["results"].as_array().unwrap().len();
+    assert!((1..12).contains(&results), "{results} results in {} bytes", kept.len());
+    assert!(!desk.path("all.json").exists());
+}

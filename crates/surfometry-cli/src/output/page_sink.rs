@@ -38,7 +38,7 @@ impl PageSink {
     pub(crate) fn save(&self) {
         let mut page = self.page();
         if let Err(error) = page.save() {
-            say(&format!("{}: cannot be written: {error}", page.path.display()));
+            say(&error.to_string());
         }
     }
 
@@ -75,6 +75,12 @@ impl Page {
     }
 
     fn save(&mut self) -> io::Result<()> {
+        self.save_in_file().map_err(|error| {
+            io::Error::new(error.kind(), format!("{}: cannot be written: {error}", self.path.display()))
+        })
+    }
+
+    fn save_in_file(&mut self) -> io::Result<()> {
         let Some(mut out) = self.begun()? else { return Ok(()) };
         // A pipe takes a page once, at the end.
         let saved = match out.partial() {

@@ -138,8 +138,9 @@ pub fn open(name: &str, options: &OpenOptions) -> Result<Box<dyn Source>, InputE
 /// cannot be opened the one that is named.
 pub fn files_of(name: &str) -> Vec<PathBuf> {
     let found = match Kind::of(name) {
+        Kind::Phantom => Ok(Vec::new()),
         Kind::Mesh => mesh::files(Path::new(name)),
-        _ => open(name, &OpenOptions { spacing: Some([1.0; 3]), ..OpenOptions::default() })
+        Kind::File => open(name, &OpenOptions { spacing: Some([1.0; 3]), ..OpenOptions::default() })
             .map(|source| source.files()),
     };
     found.unwrap_or_else(|_| vec![PathBuf::from(name)])

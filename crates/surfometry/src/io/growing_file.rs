@@ -10,8 +10,8 @@ use std::path::{Path, PathBuf};
 #[derive(Debug)]
 pub struct GrowingFile {
     file: File,
-    /// Bytes of an end that the next ones will replace.
-    end: u64,
+    /// An end that the next bytes will replace.
+    end: Vec<u8>,
     partial: PathBuf,
     target: PathBuf,
 }
@@ -73,7 +73,7 @@ impl GrowingFile {
             let error = format!("another run is writing it ({})", partial.display());
             return Err(io::Error::new(io::ErrorKind::ResourceBusy, error));
         }
-        Ok(Self { file, end: 0, partial, target })
+        Ok(Self { file, end: Vec::new(), partial, target })
     }
 
     /// Gives the file its name.
@@ -90,24 +90,28 @@ impl GrowingFile {
     }
 
     /// Writes bytes, and behind them an end that the next ones will replace: by one call to the system, so
-    /// that a run that is killed leaves either both or neither.
+    /// that a run that is killed leaves either both or neither. Where that fails, as on a full disk, the earlier end is
+    /// put back, for which there was room.
     fn write_secured(&mut self, bytes: &[u8], end: &[u8]) -> io::Result<()> {
-        if (bytes.len() + end.len()) < self.end as usize {
+        let earlier = self.end.clone();
+        let start = self.file.stream_position()? - earlier.len() as u64;
+        if (bytes.len() + end.len()) < earlier.len() {
             self.drop_end()?;
         }
         self.return_to_end()?;
-        self.file.write_all(&[bytes, end].concat())?;
-        self.end = end.len() as u64;
-        Ok(())
+        self.end = end.to_vec();
+        self.file.write_all(&[bytes, end].concat()).inspect_err(|_| {
+            let at_start = self.file.set_len(start).and_then(|()| self.file.seek(SeekFrom::Start(start)));
+            if at_start.and_then(|_| self.file.write_all(&earlier)).is_ok() {
+                self.end = earlier;
+            }
+        })
     }
 
     /// Goes back to where the replaceable end begins.
     fn return_to_end(&mut self) -> io::Result<()> {
-        if self.end > 0 {
-            self.file.seek_relative(-(self.end as i64))?;
-            self.end = 0;
-        }
-        Ok(())
+        let length = std::mem::take(&mut self.end).len() as i64;
+        if length > 0 { self.file.seek_relative(-length) } else { Ok(()) }
     }
 
     /// Takes the replaceable end away.
@@ -217,7 +221,7 @@ impl Write for ResultOutput {
 
 impl Write for GrowingFile {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        if self.end > 0 {
+        if !self.end.is_empty() {
             self.drop_end()?;
         }
         self.file.write(bytes)

@@ -1,6 +1,7 @@
 //! Which files a run may write.
 
 use super::RunError;
+use crate::inputs::files_of;
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 use std::path::{Path, PathBuf};
@@ -19,9 +20,11 @@ enum Holder {
 }
 
 impl FileLedger {
-    /// A ledger in which only the run's inputs stand; what is no file, as a phantom, is passed over.
+    /// A ledger in which only the run's inputs stand, with all files that they rest on; what is no file, as a phantom, is
+    /// passed over.
     pub fn new(inputs: &[String]) -> Self {
-        let files = inputs.iter().filter_map(|input| Path::new(input).canonicalize().ok());
+        let files =
+            inputs.iter().flat_map(|input| files_of(input)).filter_map(|file| file.canonicalize().ok());
         Self { taken: Mutex::new(files.map(|file| (file, Holder::Input)).collect()) }
     }
 
@@ -73,5 +76,12 @@ mod tests {
         assert!(ledger.claim(&output).is_ok());
         assert!(matches!(ledger.claim(&output), Err(RunError::NameTaken { .. })));
         assert!(ledger.claim(&folder.path().join("other.nii")).is_ok());
+        // The voxels of a header.
+        let (header, voxels) = (folder.path().join("in.mhd"), folder.path().join("voxels.csv"));
+        let text = "NDims = 3\nDimSize = 2 2 2\nElementSpacing = 1 1 1\nElementType = MET_UCHAR\nElementDataFile = voxels.csv\n";
+        std::fs::write(&header, text).unwrap();
+        std::fs::write(&voxels, [0; 8]).unwrap();
+        let ledger = FileLedger::new(&[header.display().to_string()]);
+        assert!(matches!(ledger.claim(&voxels), Err(RunError::ReplacesInput { .. })));
     }
 }

@@ -105,6 +105,9 @@ pub enum VoxeliseError {
 
 /// Sizes along three axes, in four digits.
 fn by(sizes: &[f64; 3]) -> String {
-    let digits = |size: &f64| format!("{size:.3e}").parse::<f64>().unwrap_or(*size).to_string();
+    let digits = |size: &f64| {
+        let rounded = format!("{size:.3e}").parse::<f64>().unwrap_or(*size);
+        if (1e-4..1e7).contains(&rounded) { rounded.to_string() } else { format!("{rounded:e}") }
+    };
     sizes.iter().map(digits).collect::<Vec<_>>().join(" x ")
 }
