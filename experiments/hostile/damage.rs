@@ -5,9 +5,40 @@ use crate::seeds::Seed;
 
 /// What is put in the place of a word.
 pub(crate) const WORDS: [&str; 34] = [
-    "", "0", "-0", "-1", "1", "2", "3.5", "16", "255", "65536", "2147483647", "2147483648", "-2147483648", "4294967296",
-    "9223372036854775807", "18446744073709551616", "1e-320", "1e-9", "1e9", "3e38", "1e308", "1e400", "nan", "NaN", "inf", "-inf", "None",
-    "True", "../../../../etc/passwd", "/dev/zero", "%d", "LIST", "\u{1b}[31m", "\u{e9}\u{0}",
+    "",
+    "0",
+    "-0",
+    "-1",
+    "1",
+    "2",
+    "3.5",
+    "16",
+    "255",
+    "65536",
+    "2147483647",
+    "2147483648",
+    "-2147483648",
+    "4294967296",
+    "9223372036854775807",
+    "18446744073709551616",
+    "1e-320",
+    "1e-9",
+    "1e9",
+    "3e38",
+    "1e308",
+    "1e400",
+    "nan",
+    "NaN",
+    "inf",
+    "-inf",
+    "None",
+    "True",
+    "../../../../etc/passwd",
+    "/dev/zero",
+    "%d",
+    "LIST",
+    "\u{1b}[31m",
+    "\u{e9}\u{0}",
 ];
 
 /// Bytes that are put in the place of numbers.
@@ -37,7 +68,7 @@ fn change(bytes: &mut Vec<u8>, others: &[Seed], chance: &mut Chance) {
         0 if at < bytes.len() => bytes[at] ^= 1 << chance.below(8),
         1 if at < bytes.len() => bytes[at] = chance.next() as u8,
         2 => drop(bytes.splice(at..end, chance.of(&numbers()).clone())),
-        3 => replace_word(bytes, at, chance.of(&WORDS)),
+        3 => replace_word(bytes, at, chance.of::<&str>(&WORDS)),
         4 => bytes.truncate(at),
         5 => drop(bytes.drain(at..end)),
         6 => {
@@ -74,7 +105,9 @@ fn replace_word(bytes: &mut Vec<u8>, at: usize, word: &str) {
 
 /// Where the header ends: what follows is voxels, or what is compressed.
 pub(crate) fn header_end(seed: &Seed) -> usize {
-    let after = |words: &[u8]| seed.bytes.windows(words.len()).position(|window| window == words).map(|at| at + words.len());
+    let after = |words: &[u8]| {
+        seed.bytes.windows(words.len()).position(|window| window == words).map(|at| at + words.len())
+    };
     match seed.ending {
         "nii" if seed.bytes[0] == 92 => 352,
         "nii" => 544,
@@ -96,7 +129,11 @@ pub(crate) fn one_at_a_time(seed: &Seed) -> Vec<Vec<u8>> {
     let is_text = header.is_ascii() && !header.contains(&0) && !header.is_empty();
     let mut all = Vec::new();
     if is_text {
-        for (at, _) in header.iter().enumerate().filter(|(n, byte)| is_of_word(**byte) && (*n == 0 || !is_of_word(header[n - 1]))) {
+        for (at, _) in header
+            .iter()
+            .enumerate()
+            .filter(|(n, byte)| is_of_word(**byte) && (*n == 0 || !is_of_word(header[n - 1])))
+        {
             for word in WORDS {
                 let mut changed = header.to_vec();
                 replace_word(&mut changed, at, word);

@@ -82,19 +82,27 @@ fn tried(args: &Args) -> Result<Tally> {
                 let seed = chance.of(&files);
                 let bytes = damage::by_chance(seed, &files, &mut chance);
                 let measures = case % 64 == 0;
-                tried_file(args, (&dog, &mut tally), (case, folder.path(), seed.ending), &bytes, |path| trial::read(path, measures))?;
+                tried_file(args, (&dog, &mut tally), (case, folder.path(), seed.ending), &bytes, |path| {
+                    trial::read(path, measures)
+                })?;
             }
         }
         What::Matrix => {
-            let cases = files.iter().flat_map(|seed| damage::one_at_a_time(seed).into_iter().map(move |bytes| (seed.ending, bytes)));
+            let cases = files.iter().flat_map(|seed| {
+                damage::one_at_a_time(seed).into_iter().map(move |bytes| (seed.ending, bytes))
+            });
             for (case, (ending, bytes)) in (0..).zip(cases) {
-                tried_file(args, (&dog, &mut tally), (case, folder.path(), ending), &bytes, |path| trial::read(path, true))?;
+                tried_file(args, (&dog, &mut tally), (case, folder.path(), ending), &bytes, |path| {
+                    trial::read(path, true)
+                })?;
             }
         }
         What::Flips => flips(args, &dog, &mut tally, folder.path())?,
         What::Objects => {
             for case in 0..args.count {
-                dog.run(case, &mut tally, || trial::measure(&mut Chance(args.seed.wrapping_mul(1 << 32) + case)));
+                dog.run(case, &mut tally, || {
+                    trial::measure(&mut Chance(args.seed.wrapping_mul(1 << 32) + case))
+                });
             }
         }
     }
@@ -131,7 +139,11 @@ fn flips(args: &Args, dog: &Watchdog, tally: &mut Tally, folder: &Path) -> Resul
             bytes[bit / 8] ^= 1 << (bit % 8);
             tried_file(args, (dog, tally), (case, folder, seed.ending), &bytes, |path| {
                 let same = trial::same(&image, &trial::labels(path)?);
-                if same { Ok(()) } else { Err(format!("WRONG: bit {bit} of a .{} gives other voxels", seed.ending)) }
+                if same {
+                    Ok(())
+                } else {
+                    Err(format!("WRONG: bit {bit} of a .{} gives other voxels", seed.ending))
+                }
             })?;
             case += 1;
         }

@@ -11,7 +11,7 @@ pub(crate) struct Seed {
     pub(crate) bytes: Vec<u8>,
 }
 
-const SIZE: [usize; 3] = [9, 8, 7];
+const SIZE: [usize; 3] = [12, 11, 10];
 
 /// A body of two labels, mixed enough that compressed it has some hundred bytes.
 fn voxels() -> Vec<u8> {
@@ -51,7 +51,10 @@ pub(crate) fn files() -> Vec<Seed> {
 /// The compressed ones, of which no flipped bit may give other voxels.
 pub(crate) fn compressed() -> Vec<Seed> {
     let is_packed = |seed: &Seed| {
-        seed.ending == "nii.gz" || ["CompressedData = True", "encoding: gzip", "encoding: bzip2"].iter().any(|words| has(&seed.bytes, words))
+        seed.ending == "nii.gz"
+            || ["CompressedData = True", "encoding: gzip", "encoding: bzip2"]
+                .iter()
+                .any(|words| has(&seed.bytes, words))
     };
     files().into_iter().filter(is_packed).collect()
 }
@@ -122,7 +125,10 @@ fn nrrd(encoding: &str, data: &[u8]) -> Vec<u8> {
 }
 
 fn npy() -> Vec<u8> {
-    let mut text = format!("{{'descr': '|u1', 'fortran_order': True, 'shape': ({}, {}, {}), }}", SIZE[0], SIZE[1], SIZE[2]);
+    let mut text = format!(
+        "{{'descr': '|u1', 'fortran_order': True, 'shape': ({}, {}, {}), }}",
+        SIZE[0], SIZE[1], SIZE[2]
+    );
     while (10 + text.len() + 1) % 64 != 0 {
         text.push(' ');
     }
@@ -140,7 +146,12 @@ const FACES: [[usize; 3]; 4] = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]];
 fn stl_text() -> String {
     let corner = |n: usize| CORNERS[n].map(|v| v.to_string()).join(" ");
     let facet = |face: &[usize; 3]| {
-        format!("facet normal 0 0 0\nouter loop\nvertex {}\nvertex {}\nvertex {}\nendloop\nendfacet\n", corner(face[0]), corner(face[1]), corner(face[2]))
+        format!(
+            "facet normal 0 0 0\nouter loop\nvertex {}\nvertex {}\nvertex {}\nendloop\nendfacet\n",
+            corner(face[0]),
+            corner(face[1]),
+            corner(face[2])
+        )
     };
     format!("solid a\n{}endsolid a\n", FACES.iter().map(facet).collect::<String>())
 }
@@ -157,7 +168,9 @@ fn stl_binary() -> Vec<u8> {
 }
 
 fn ply_header(format: &str) -> String {
-    format!("ply\nformat {format} 1.0\ncomment small\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\nelement face 4\nproperty list uchar int vertex_indices\nend_header\n")
+    format!(
+        "ply\nformat {format} 1.0\ncomment small\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\nelement face 4\nproperty list uchar int vertex_indices\nend_header\n"
+    )
 }
 
 fn ply_text() -> String {
@@ -178,8 +191,12 @@ fn ply_binary() -> Vec<u8> {
 }
 
 fn table(separator: char) -> String {
-    let lines = ["input,label,volume_mm3,surface_area_mm2,euler_characteristic,flags,error"].into_iter().map(str::to_owned);
-    let row = |n: u32| format!("S{n}.nii.gz,1,{}.5,{}.25,2,touches-border;thin-for-sigma,", 100 + 7 * n, 90 + 3 * n);
+    let lines = ["input,label,volume_mm3,surface_area_mm2,euler_characteristic,flags,error"]
+        .into_iter()
+        .map(str::to_owned);
+    let row = |n: u32| {
+        format!("S{n}.nii.gz,1,{}.5,{}.25,2,touches-border;thin-for-sigma,", 100 + 7 * n, 90 + 3 * n)
+    };
     lines.chain((1..8).map(row)).map(|line| line.replace(',', &separator.to_string()) + "\n").collect()
 }
 

@@ -57,11 +57,18 @@ impl Watchdog {
         let start = Instant::now();
         match catch_unwind(AssertUnwindSafe(work)) {
             Ok(Ok(())) => tally.accepted += 1,
-            Ok(Err(message)) if message.starts_with("WRONG") => tally.faults.push(format!("case {case}: {message}")),
-            Ok(Err(message)) if message.trim().len() < 12 => tally.faults.push(format!("case {case}: says only `{message}`")),
+            Ok(Err(message)) if message.starts_with("WRONG") => {
+                tally.faults.push(format!("case {case}: {message}"))
+            }
+            Ok(Err(message)) if message.trim().len() < 12 => {
+                tally.faults.push(format!("case {case}: says only `{message}`"))
+            }
             Ok(Err(_)) => tally.refused += 1,
             Err(panic) => {
-                let text = panic.downcast_ref::<String>().cloned().or(panic.downcast_ref::<&str>().map(ToString::to_string));
+                let text = panic
+                    .downcast_ref::<String>()
+                    .cloned()
+                    .or(panic.downcast_ref::<&str>().map(ToString::to_string));
                 tally.faults.push(format!("case {case}: panic: {}", text.unwrap_or_default()));
             }
         }
@@ -85,7 +92,9 @@ pub(crate) fn read(path: &Path, measures: bool) -> Result<(), String> {
         _ if measures => {
             let known = path.extension().is_some_and(|ending| ending == "npy") || is_mesh(path);
             let open = OpenOptions { spacing: known.then_some(SPACING), preparation: Preparation::default() };
-            records_of(&path.to_string_lossy(), &Plan { open, ..Plan::default() }).map(drop).map_err(|e| text(&e))
+            records_of(&path.to_string_lossy(), &Plan { open, ..Plan::default() })
+                .map(drop)
+                .map_err(|e| text(&e))
         }
         _ => labels(path).map(drop),
     }
@@ -114,7 +123,12 @@ pub(crate) fn measure(chance: &mut Chance) -> Result<(), String> {
     let grid = Grid::axis_aligned(size, spacing).map_err(|e| e.to_string())?;
     let mask = Mask::from_predicate(grid, |[x, y, z]| bits[(z / lumps * 12 + y / lumps) * 12 + x / lumps]);
     let unit = spacing.iter().product::<f64>().cbrt();
-    let kinds = [EmbeddingKind::Corrected, EmbeddingKind::Recovering, EmbeddingKind::Distance, EmbeddingKind::DistanceToVoxels];
+    let kinds = [
+        EmbeddingKind::Corrected,
+        EmbeddingKind::Recovering,
+        EmbeddingKind::Distance,
+        EmbeddingKind::DistanceToVoxels,
+    ];
     let mut measurement = Measurement::default();
     if chance.below(2) == 0 {
         measurement = measurement.sigma_mm(unit * 0.3 * 100f64.powf(chance.share()));
@@ -129,9 +143,16 @@ pub(crate) fn measure(chance: &mut Chance) -> Result<(), String> {
         measurement = measurement.level(0.01 + 0.98 * chance.share());
     }
     let measured = measurement.run_settled(mask).map_err(|e| e.to_string())?;
-    let all = [&measured.values, &measured.standard_error, &measured.blurred.values, &measured.blurred.grid_noise];
+    let all =
+        [&measured.values, &measured.standard_error, &measured.blurred.values, &measured.blurred.grid_noise];
     let numbers = all.into_iter().flat_map(|v| {
-        [v.volume_mm3, v.surface_area_mm2, v.total_mean_curvature_mm, v.total_gaussian_curvature, v.total_squared_mean_curvature]
+        [
+            v.volume_mm3,
+            v.surface_area_mm2,
+            v.total_mean_curvature_mm,
+            v.total_gaussian_curvature,
+            v.total_squared_mean_curvature,
+        ]
     });
     let odd = numbers.flatten().find(|number| !number.is_finite());
     odd.map_or(Ok(()), |number| Err(format!("WRONG: {number} of {measured:?}")))
