@@ -11,7 +11,7 @@ pub(crate) struct Seed {
     pub(crate) bytes: Vec<u8>,
 }
 
-const SIZE: [usize; 3] = [12, 11, 10];
+const SIZE: [usize; 3] = [9, 8, 7];
 
 /// A body of two labels, mixed enough that compressed it has some hundred bytes.
 fn voxels() -> Vec<u8> {
