@@ -68,7 +68,7 @@ fn change(bytes: &mut Vec<u8>, others: &[Seed], chance: &mut Chance) {
         0 if at < bytes.len() => bytes[at] ^= 1 << chance.below(8),
         1 if at < bytes.len() => bytes[at] = chance.next() as u8,
         2 => drop(bytes.splice(at..end, chance.of(&numbers()).clone())),
-        3 => replace_word(bytes, at, chance.of(&WORDS)),
+        3 => replace_word(bytes, at, chance.of::<&str>(&WORDS)),
         4 => bytes.truncate(at),
         5 => drop(bytes.drain(at..end)),
         6 => {

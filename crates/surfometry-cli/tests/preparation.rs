@@ -132,7 +132,8 @@ fn a_journal_knows_the_threshold() {
     let (scan, _) = write_scan(folder.path());
     let out = folder.path().join("out.jsonl");
     let begun = |threshold: &str| {
-        let shard = ["measure", "--shard", "1/1", "-o", out.to_str().unwrap(), scan.to_str().unwrap()];
+        let shard =
+            ["measure", "--resume", "--shard", "1/1", "-o", out.to_str().unwrap(), scan.to_str().unwrap()];
         run(&[&shard, &["--threshold", threshold][..]].concat())
     };
     assert_eq!(begun("200..").status.code(), Some(0));

@@ -158,6 +158,19 @@ fn bootstrapped_intervals() {
     assert!(covered > 180, "{covered} of 200");
 }
 
+/// A table may hold any number: what is beyond 64 bits is the largest class (found by `experiments/hostile`).
+#[test]
+fn characteristics_beyond_64_bits() {
+    for (chi, class) in [(1e300, i64::MAX), (-1e300, i64::MIN), (f64::MAX, i64::MAX), (9.3e18, i64::MAX)] {
+        for rounding in [EulerRounding::Even, EulerRounding::Integer] {
+            assert_eq!(
+                ConfusionMatrix::new(&[(chi, 2.0)], rounding).classes,
+                if class > 2 { [2, class] } else { [class, 2] }
+            );
+        }
+    }
+}
+
 #[test]
 fn characteristics_are_even() {
     let pairs = [(0.04, 0.0), (1.94, 2.0), (-0.9, 0.0), (0.6, 0.0), (-1.1, -2.0)];

@@ -14,10 +14,10 @@ pub enum EulerRounding {
 }
 
 impl EulerRounding {
-    /// Rounds.
+    /// Rounds; what is beyond 64 bits is the largest there is.
     pub fn round(self, chi: f64) -> i64 {
         match self {
-            Self::Even => 2 * libm::round(0.5 * chi) as i64,
+            Self::Even => (2.0 * libm::round(0.5 * chi)) as i64,
             Self::Integer => libm::round(chi) as i64,
         }
     }
