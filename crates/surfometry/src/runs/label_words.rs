@@ -158,16 +158,15 @@ fn is_no_name(word: &str) -> bool {
 pub(super) fn parts(text: &str, separator: char) -> Vec<&str> {
     let (mut quote, mut begins, mut start, mut found) = (None, true, 0, Vec::new());
     for (at, c) in text.char_indices() {
-        match quote {
-            Some(open) if c == open => quote = None,
-            Some(_) => {}
-            None if begins && matches!(c, '\'' | '"') => quote = Some(c),
-            None if c == separator => {
-                found.push(&text[start..at]);
-                start = at + c.len_utf8();
-            }
-            None => {}
+        if quote.is_none() && c == separator {
+            found.push(&text[start..at]);
+            start = at + c.len_utf8();
         }
+        quote = match quote {
+            None if begins && matches!(c, '\'' | '"') => Some(c),
+            Some(open) if c == open => None,
+            other => other,
+        };
         begins = matches!(c, ',' | '+' | '=') || begins && c.is_whitespace();
     }
     found.push(&text[start..]);

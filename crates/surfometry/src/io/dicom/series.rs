@@ -54,12 +54,12 @@ pub(super) fn of_folder(folder: &Path) -> Result<ImageHeader, ReadError> {
             names.join(", ")
         )));
     }
-    header(folder, members)
+    header(folder, &members)
 }
 
 /// The series that a file belongs to: itself and the files beside it of the same one.
-pub(super) fn of_file(path: &Path, data_set: DataSet) -> Result<ImageHeader, ReadError> {
-    let own = member(path, &data_set)?;
+pub(super) fn of_file(path: &Path, data_set: &DataSet) -> Result<ImageHeader, ReadError> {
+    let own = member(path, data_set)?;
     let same = |other: &PathBuf| {
         DataSet::header(other).ok().and_then(|data_set| {
             let belongs = !own.series.is_empty()
@@ -70,7 +70,8 @@ pub(super) fn of_file(path: &Path, data_set: DataSet) -> Result<ImageHeader, Rea
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let others = files(folder)?.into_iter().filter(|other| other.file_name() != path.file_name());
     let others: Vec<Member> = others.filter_map(|other| same(&other)).collect::<Result<_, _>>()?;
-    header(path, [own].into_iter().chain(others).collect())
+    let all: Vec<Member> = [own].into_iter().chain(others).collect();
+    header(path, &all)
 }
 
 /// DICOM files of a folder in order of their names, folders' directories and hidden files left out.
@@ -121,7 +122,7 @@ fn member(path: &Path, data_set: &DataSet) -> Result<Member, ReadError> {
     Ok(Member { path: path.to_owned(), series, description, layout, frames })
 }
 
-fn header(path: &Path, members: Vec<Member>) -> Result<ImageHeader, ReadError> {
+fn header(path: &Path, members: &[Member]) -> Result<ImageHeader, ReadError> {
     let Some(first) = members.first() else {
         return Err(ReadError::UnknownFormat("the folder holds no DICOM image".to_owned()));
     };
