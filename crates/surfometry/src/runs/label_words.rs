@@ -135,15 +135,18 @@ impl FromStr for LabelWord {
 
     fn from_str(text: &str) -> Result<Self, WordError> {
         let word = text.trim();
-        if let Some(name) = unquoted(word) {
-            return Ok(Self::Name(name.to_owned()));
+        let slip = || {
+            WordError(format!(
+                "`{text}` is no label; write `all`, `1`, `1,2` (two objects), `1+2` (one object of two labels) or names, as \
+                 `liver,spleen`; a name with a comma, a plus or an equals sign, or of digits alone, stands in quotes; 0 is background"
+            ))
+        };
+        if word.starts_with(['\'', '"']) {
+            return unquoted(word).map(|name| Self::Name(name.to_owned())).ok_or_else(slip);
         }
         match word.parse() {
             Ok(label) if label != 0 => Ok(Self::Number(label)),
-            _ if is_no_name(word) => Err(WordError(format!(
-                "`{text}` is no label; write `all`, `1`, `1,2` (two objects), `1+2` (one object of two labels) or names, as \
-                 `liver,spleen`; a name with a comma, a plus or an equals sign, or of digits alone, stands in quotes; 0 is background"
-            ))),
+            _ if is_no_name(word) => Err(slip()),
             _ => Ok(Self::Name(word.to_owned())),
         }
     }
