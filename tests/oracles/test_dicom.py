@@ -252,6 +252,17 @@ def test_segments_that_overlap(tmp_path, omit, shuffled):
         assert "touches-border" not in [flag["code"] for flag in record["flags"]]
 
 
+def test_folders_with_segmentations(tmp_path):
+    shapes = organs()
+    folder = tmp_path / "seg"
+    folder.mkdir()
+    segmentation(folder / "a", [shapes["Leber"]], ["Leber"])
+    assert [record["name"] for record in measure(folder)] == ["Leber"]
+    write_series(folder, body())
+    assert "1 segmentations, as a, and 27 files of images" in surfometry_error("measure", folder)
+    assert [record["name"] for record in measure(folder / "a")] == ["Leber"]
+
+
 def shuffle_frames(path):
     """The same file with its frames in another order."""
     data_set = pydicom.dcmread(path)

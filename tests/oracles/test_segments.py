@@ -30,19 +30,25 @@ def masks():
     return {name: mask.astype(np.uint8) for name, mask in shapes.items()}
 
 
-def alone(tmp_path, mask, *options):
-    path = tmp_path / "alone.nii.gz"
-    nib.save(nib.Nifti1Image(mask, AFFINE), path)
+def alone(tmp_path, mask, *options, nifti=False):
+    """The mask in a file of its own, whose affine has the digits of the other's: single precision in NIfTI."""
+    path = tmp_path / ("alone.nii.gz" if nifti else "alone.nrrd")
+    if nifti:
+        nib.save(nib.Nifti1Image(mask, AFFINE), path)
+    else:
+        lps = LPS @ AFFINE
+        fields = {"space": "left-posterior-superior", "space directions": lps[:3, :3].T, "space origin": lps[:3, 3]}
+        nrrd.write(str(path), mask, fields)
     return measure(path, *options)
 
 
-def check_each(tmp_path, path, names, *options):
+def check_each(tmp_path, path, names, *options, nifti=False):
     """The input has these objects, each of which measures as its mask alone."""
     found = measure(path, *options)
     shapes = masks()
     assert {record["name"] for record in found} == set(names)
     for record in found:
-        assert numbers([record]) == numbers(alone(tmp_path, shapes[record["name"]], *options))
+        assert numbers([record]) == numbers(alone(tmp_path, shapes[record["name"]], *options, nifti=nifti))
     return found
 
 
@@ -143,10 +149,8 @@ def test_a_cropped_file_is_not_cut(tmp_path, layers):
     (record,) = measure(tmp_path / "a.seg.nrrd", "--sigma", "1.5")
     (whole,) = alone(tmp_path, liver, "--sigma", "1.5")
     # The object is the same; the image that it was cropped of really ends at two of its sides.
-    for name in ["volume_mm3", "euler_characteristic"]:
-        assert record["voxels"]["count"] == whole["voxels"]["count"]
+    assert record["voxels"]["count"] == whole["voxels"]["count"]
     assert "touches-border" in [flag["code"] for flag in record["flags"]]
-    more["Segmentation_ConversionParameters"] = ""
     del more["Segmentation_ConversionParameters"]
     layered(tmp_path / "b.seg.nrrd", [cropped, 0 * cropped], [("liver", 0, 1), ("none", 1, 1)], **more)
     (record,) = measure(tmp_path / "b.seg.nrrd", "--sigma", "1.5")
@@ -173,7 +177,7 @@ def test_a_folder_of_masks(tmp_path, ending):
             nib.save(nib.Nifti1Pair(mask, AFFINE), folder / f"{name}.hdr")
     else:
         folder = folder_of_masks(tmp_path / "segmentations", shapes, ending)
-    found = check_each(tmp_path, folder, set(shapes) - {"nothing"})
+    found = check_each(tmp_path, folder, set(shapes) - {"nothing"}, nifti=True)
     assert [(record["label"], record["name"]) for record in found] == [(1, "core"), (2, "liver"), (4, "tumour"), (5, "twin")]
     assert info(folder)["format"] == "masks"
     assert "`nothing` (label 3) has no voxels" in surfometry_error("measure", folder, "--label", "nothing")

@@ -137,15 +137,18 @@ impl FromStr for LabelWord {
 
     fn from_str(text: &str) -> Result<Self, WordError> {
         let word = text.trim();
-        if let Some(name) = unquoted(word) {
-            return Ok(Self::Name(name.to_owned()));
+        let slip = || {
+            WordError(format!(
+                "`{text}` is no label; write `all`, `1`, `1,2` (two objects), `1+2` (one object of two labels) or names, as \
+                 `liver,spleen`; a name with a comma, a plus or an equals sign, or of digits alone, stands in quotes; 0 is background"
+            ))
+        };
+        if word.starts_with(['\'', '"']) {
+            return unquoted(word).map(|name| Self::Name(name.to_owned())).ok_or_else(slip);
         }
         match word.parse() {
             Ok(label) if label != 0 => Ok(Self::Number(label)),
-            _ if is_no_name(word) => Err(WordError(format!(
-                "`{text}` is no label; write `all`, `1`, `1,2` (two objects), `1+2` (one object of two labels) or names, as \
-                 `liver,spleen`; a name with a comma, a plus or an equals sign, or of digits alone, stands in quotes; 0 is background"
-            ))),
+            _ if is_no_name(word) => Err(slip()),
             _ => Ok(Self::Name(word.to_owned())),
         }
     }
@@ -160,16 +163,15 @@ fn is_no_name(word: &str) -> bool {
 pub(super) fn parts(text: &str, separator: char) -> Vec<&str> {
     let (mut quote, mut begins, mut start, mut found) = (None, true, 0, Vec::new());
     for (at, c) in text.char_indices() {
-        match quote {
-            Some(open) if c == open => quote = None,
-            Some(_) => {}
-            None if begins && matches!(c, '\'' | '"') => quote = Some(c),
-            None if c == separator => {
-                found.push(&text[start..at]);
-                start = at + c.len_utf8();
-            }
-            None => {}
+        if quote.is_none() && c == separator {
+            found.push(&text[start..at]);
+            start = at + c.len_utf8();
         }
+        quote = match quote {
+            None if begins && matches!(c, '\'' | '"') => Some(c),
+            Some(open) if c == open => None,
+            other => other,
+        };
         begins = matches!(c, ',' | '+' | '=') || begins && c.is_whitespace();
     }
     found.push(&text[start..]);

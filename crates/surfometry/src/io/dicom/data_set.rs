@@ -63,8 +63,8 @@ impl DataSet {
         let syntax = self.object.meta().transfer_syntax();
         match COMPRESSED.iter().filter(|(uid, _)| syntax.starts_with(uid)).max_by_key(|(uid, _)| uid.len()) {
             Some((_, name)) => Err(error(format!(
-                "the pixels are compressed with {name} (transfer syntax {syntax}), which is not read; `gdcmconv --raw IN OUT` or \
-                 `dcmconv +te IN OUT` unpacks a file"
+                "the pixels are compressed with {name} (transfer syntax {syntax}), which is not read; `gdcmconv --raw IN OUT` \
+                 unpacks a file"
             ))),
             None => Ok(()),
         }

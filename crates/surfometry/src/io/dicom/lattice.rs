@@ -8,7 +8,9 @@ use crate::volume::Affine;
 /// Part of the distance of slices by which places may differ from even ones: positions are written with few digits.
 const SLACK: f64 = 0.02;
 /// Where planes count as one, mm.
-const SAME_PLACE: f64 = 1e-3;
+const SAME_PLACE: f64 = 1e-4;
+/// What positions that are written with two digits may be off, mm, up to a tenth of the distance of slices.
+const ROUNDED: f64 = 0.01;
 /// Gantry tilt, degrees, up to which the lattice may take it for its own shear.
 const MOST_TILT: f64 = 1.0;
 
@@ -53,25 +55,22 @@ impl Stack {
         let mut order: Vec<usize> = (0..planes.len()).collect();
         order.sort_by(|&a, &b| planes[a].place(normal).total_cmp(&planes[b].place(normal)));
         let places: Vec<f64> = order.iter().map(|&n| planes[n].place(normal)).collect();
-        let (step, gap) = (step(&places, gaps), |n: usize| places[n + 1] - places[n]);
-        let mut slice_of = vec![0; planes.len()];
-        for (n, &plane) in order.iter().enumerate() {
-            let place = (places[n] - places[0]) / step;
-            let slice = place.round();
-            let expected = if gaps == Gaps::None { n as f64 } else { slice };
-            if (place - expected).abs() > SLACK.max(SAME_PLACE / step) * (1.0 + 0.05 * expected) {
-                // The step that is not the others'.
-                let odd = (0..n)
-                    .max_by(|&a, &b| (gap(a) - step).abs().total_cmp(&(gap(b) - step).abs()))
-                    .unwrap_or(0);
+        let step = step(&places, gaps);
+        let (mut slice, mut slice_of) = (0, vec![0; planes.len()]);
+        for n in 1..order.len() {
+            let gap = places[n] - places[n - 1];
+            let steps = if gaps == Gaps::None { 1.0 } else { (gap / step).round() };
+            let slack = (SLACK * step * steps.max(1.0)).max(ROUNDED.min(step / 10.0));
+            if (gap - steps * step).abs() > slack {
                 return Err(error(format!(
-                    "{} and {} are {:.4} mm apart, as a rule slices are {step:.4}: slices are missing, double or uneven; export the whole series again",
-                    name(order[odd]),
-                    name(order[odd + 1]),
-                    gap(odd)
+                    "{} and {} are {gap:.4} mm apart, as a rule slices are {step:.4}: slices are missing, double or uneven; export \
+                     the whole series again",
+                    name(order[n - 1]),
+                    name(order[n])
                 )));
             }
-            slice_of[plane] = slice as usize;
+            slice += steps as usize;
+            slice_of[order[n]] = slice;
         }
         let slices = slice_of.iter().max().map_or(0, |last| last + 1);
         let [begin, end] = [order[0], order[order.len() - 1]].map(|n| planes[n].position);

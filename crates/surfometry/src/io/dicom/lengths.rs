@@ -12,6 +12,7 @@ use std::path::Path;
 
 /// Where the elements begin: behind preamble and mark.
 const START: u64 = 132;
+const PIXEL_DATA: Tag = Tag(0x7FE0, 0x0010);
 /// The length of what goes on until it says that it ends.
 const UNDEFINED: u32 = u32::MAX;
 /// Representations whose length takes four bytes, behind two that are reserved.
@@ -28,7 +29,7 @@ pub(super) fn check(path: &Path) -> Result<(), ReadError> {
     let (file, bytes) = open_file(path)?;
     let mut walk = Walk { file: BufReader::new(file), at: 0, bytes, syntax: String::new() };
     walk.skip(START).map_err(failed)?;
-    walk.to_the_end().map_err(failed)?
+    walk.all_elements().map_err(failed)?
 }
 
 struct Walk {
@@ -41,7 +42,8 @@ struct Walk {
 impl Walk {
     /// Element by element, into sequences and their items, to the end of the file or to what is not understood, which the
     /// reader of elements has its own words for.
-    fn to_the_end(&mut self) -> std::io::Result<Result<(), ReadError>> {
+    fn all_elements(&mut self) -> std::io::Result<Result<(), ReadError>> {
+        let mut in_fragments = false;
         while self.at + 8 <= self.bytes {
             let group = u16::from_le_bytes(self.take()?);
             let element = u16::from_le_bytes(self.take()?);
@@ -50,7 +52,9 @@ impl Walk {
                 return Ok(Ok(()));
             }
             let (length, is_sequence) = self.length(tag)?;
-            if is_sequence || length == UNDEFINED || group == 0xFFFE {
+            // Compressed pixels are items that hold no elements.
+            in_fragments |= tag == PIXEL_DATA && length == UNDEFINED;
+            if length == UNDEFINED || is_sequence && !in_fragments {
                 continue;
             }
             let left = self.bytes - self.at.min(self.bytes);
@@ -63,7 +67,7 @@ impl Walk {
                 let mut syntax = vec![0; length as usize];
                 self.file.read_exact(&mut syntax)?;
                 self.at += u64::from(length);
-                self.syntax = String::from_utf8_lossy(&syntax).trim_matches([' ', '\0']).to_owned();
+                String::from_utf8_lossy(&syntax).trim_matches([' ', '\0']).clone_into(&mut self.syntax);
             } else {
                 self.skip(length.into())?;
             }

@@ -31,5 +31,9 @@ pub(super) fn read_header(path: &Path) -> Result<ImageHeader, ReadError> {
         return series::of_folder(path);
     }
     let data_set = DataSet::header(path)?;
-    if data_set.is_segmentation() { segmentation::read_header(path) } else { series::of_file(path, data_set) }
+    if data_set.is_segmentation() {
+        segmentation::read_header(path)
+    } else {
+        series::of_file(path, &data_set)
+    }
 }

@@ -30,22 +30,34 @@ type Scaling = (f64, f64);
 
 /// The one series that a folder holds.
 pub(super) fn of_folder(folder: &Path) -> Result<ImageHeader, ReadError> {
-    let files = files(folder)?;
-    if let [only] = &files[..] {
-        let data_set = DataSet::header(only).map_err(|error| in_file(only, error))?;
+    let (mut members, mut segmentations) = (Vec::new(), Vec::new());
+    for path in files(folder)? {
+        let data_set = DataSet::header(&path).map_err(|error| in_file(&path, error))?;
         if data_set.is_segmentation() {
-            return segmentation::read_header(only);
+            segmentations.push(path);
+        } else {
+            members.push(member(&path, &data_set).map_err(|error| in_file(&path, error))?);
         }
     }
-    let members: Vec<Member> = files.iter().map(|path| read_member(path)).collect::<Result<_, _>>()?;
+    match &segmentations[..] {
+        [] => {}
+        [only] if members.is_empty() => return segmentation::read_header(only),
+        [first, ..] => {
+            return Err(error(format!(
+                "the folder holds {} segmentations, as {}, and {} files of images: name the file that is meant",
+                segmentations.len(),
+                shown(first),
+                members.len()
+            )));
+        }
+    }
     let mut series: BTreeMap<&str, Vec<&Member>> = BTreeMap::new();
     for member in &members {
         series.entry(&member.series).or_default().push(member);
     }
     if series.len() > 1 {
         let name = |(_, members): (_, &Vec<&Member>)| {
-            let file = members[0].path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-            format!("{} ({} files, as {file})", members[0].description, members.len())
+            format!("{} ({} files, as {})", members[0].description, members.len(), shown(&members[0].path))
         };
         let names: Vec<String> = series.iter().take(10).map(name).collect();
         return Err(error(format!(
@@ -54,12 +66,12 @@ pub(super) fn of_folder(folder: &Path) -> Result<ImageHeader, ReadError> {
             names.join(", ")
         )));
     }
-    header(folder, members)
+    header(folder, &members)
 }
 
 /// The series that a file belongs to: itself and the files beside it of the same one.
-pub(super) fn of_file(path: &Path, data_set: DataSet) -> Result<ImageHeader, ReadError> {
-    let own = member(path, &data_set)?;
+pub(super) fn of_file(path: &Path, data_set: &DataSet) -> Result<ImageHeader, ReadError> {
+    let own = member(path, data_set)?;
     let same = |other: &PathBuf| {
         DataSet::header(other).ok().and_then(|data_set| {
             let belongs = !own.series.is_empty()
@@ -70,7 +82,8 @@ pub(super) fn of_file(path: &Path, data_set: DataSet) -> Result<ImageHeader, Rea
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let others = files(folder)?.into_iter().filter(|other| other.file_name() != path.file_name());
     let others: Vec<Member> = others.filter_map(|other| same(&other)).collect::<Result<_, _>>()?;
-    header(path, [own].into_iter().chain(others).collect())
+    let all: Vec<Member> = [own].into_iter().chain(others).collect();
+    header(path, &all)
 }
 
 /// DICOM files of a folder in order of their names, folders' directories and hidden files left out.
@@ -89,10 +102,6 @@ pub(in crate::io) fn files(folder: &Path) -> Result<Vec<PathBuf>, ReadError> {
 
 fn in_file(path: &Path, source: ReadError) -> ReadError {
     ReadError::InLayer { path: path.to_owned(), source: Box::new(source) }
-}
-
-fn read_member(path: &Path) -> Result<Member, ReadError> {
-    DataSet::header(path).and_then(|data_set| member(path, &data_set)).map_err(|error| in_file(path, error))
 }
 
 fn member(path: &Path, data_set: &DataSet) -> Result<Member, ReadError> {
@@ -121,7 +130,7 @@ fn member(path: &Path, data_set: &DataSet) -> Result<Member, ReadError> {
     Ok(Member { path: path.to_owned(), series, description, layout, frames })
 }
 
-fn header(path: &Path, members: Vec<Member>) -> Result<ImageHeader, ReadError> {
+fn header(path: &Path, members: &[Member]) -> Result<ImageHeader, ReadError> {
     let Some(first) = members.first() else {
         return Err(ReadError::UnknownFormat("the folder holds no DICOM image".to_owned()));
     };

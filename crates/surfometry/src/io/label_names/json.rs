@@ -41,7 +41,9 @@ fn of_object(labels: &Map<String, Value>) -> Result<LabelTable, String> {
         }
     }
     rows.retain(|(label, _)| *label != 0);
-    regions.iter_mut().for_each(|(_, labels)| labels.retain(|label| *label != 0));
+    for (_, labels) in &mut regions {
+        labels.retain(|label| *label != 0);
+    }
     regions.retain(|(_, labels)| !labels.is_empty());
     Ok(rows.into_iter().collect::<LabelTable>().with_regions(regions))
 }
