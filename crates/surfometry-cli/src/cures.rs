@@ -8,6 +8,7 @@ pub(crate) fn cure(error: &RunError) -> Option<&'static str> {
         Cure::Spacing => Some("--spacing X,Y,Z"),
         Cure::GivenEmbedding => Some("--embedding given"),
         Cure::Label => Some("--label"),
+        Cure::Raw => Some("--raw XxYxZ:TYPE, as 80x50x83:uint16"),
         _ => None,
     }
 }

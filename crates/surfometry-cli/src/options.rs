@@ -6,6 +6,7 @@ use clap::{Args, ValueEnum};
 use std::path::{Path, PathBuf};
 use surfometry::inputs::OpenOptions;
 use surfometry::integrals::{QuadratureRule, Smearing};
+use surfometry::io::RawLayout;
 use surfometry::measurement::{Clip, CurvatureScale, Derivatives, EmbeddingKind, Padding};
 use surfometry::runs::words::{curvature_scale, fraction, padding, positive, spacing};
 use surfometry::runs::{Choices, DocumentForm, Lengths, Plan, SweptParameter};
@@ -73,12 +74,16 @@ pub(crate) struct InputSelection {
     /// Voxel spacing in mm, fastest axis first: replaces the file's, or supplies what it lacks
     #[arg(long, value_name = "X,Y,Z", value_parser = spacing, allow_hyphen_values = true)]
     spacing: Option<Spacing>,
+    /// Image files have no header: voxels along x, y, z (x is the fastest) and their type, as 80x50x83:uint16; then
+    /// :big for big-endian numbers, :N for N bytes in front
+    #[arg(long, value_name = "XxYxZ:TYPE")]
+    raw: Option<RawLayout>,
 }
 
 impl InputSelection {
     /// A plan that asks for these objects.
     pub(crate) fn plan(&self) -> Plan {
-        let open = OpenOptions { spacing: self.spacing.map(|s| s.mm()) };
+        let open = OpenOptions { spacing: self.spacing.map(|s| s.mm()), raw: self.raw };
         Plan { labels: self.label.clone(), open, ..Plan::default() }
     }
 }
@@ -137,6 +142,7 @@ impl MeasureOptions {
         Choices {
             labels: self.selection.label.clone(),
             spacing: self.selection.spacing,
+            raw: self.selection.raw,
             sigma: self.sigma.clone().unwrap_or_default(),
             thickness: self.thickness.clone().unwrap_or_default(),
             epsilon: self.epsilon,

@@ -7,7 +7,7 @@ use crate::session::Session;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use serde_json::json;
-use surfometry::inputs::{InputError, OpenOptions, Source};
+use surfometry::inputs::{InputError, Source};
 use surfometry::runs::RunError;
 use surfometry::volume::{Affine, Samples};
 use surfometry::{Control, Stopped};
@@ -20,7 +20,7 @@ pub(crate) fn read<'py>(
     options: Options,
     session: Session,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let open_options = OpenOptions { spacing: choices(py, &options)?.spacing.map(|spacing| spacing.mm()) };
+    let open_options = choices(py, &options)?.open();
     let (source, samples) = session.run(py, &Held::Name(name.to_owned()), move |control, prepared| {
         let (_, source) = prepared.opened(&open_options)?;
         let samples = all_samples(&*source, control)?;

@@ -9,7 +9,9 @@ const VOXELS: usize = 4 * 5 * 6;
 
 /// The flags of an input once it was read.
 fn flags(path: &Path) -> Vec<String> {
-    let source = open(path.to_str().unwrap(), &OpenOptions { spacing: Some([1.0; 3]) }).unwrap();
+    let source =
+        open(path.to_str().unwrap(), &OpenOptions { spacing: Some([1.0; 3]), ..OpenOptions::default() })
+            .unwrap();
     LabelImage::from_slabs(&mut source.slabs().unwrap()).unwrap();
     source.flags().into_iter().map(|flag| format!("{}: {}", flag.code, flag.message)).collect()
 }

@@ -8,7 +8,7 @@ use anyhow::Result;
 use serde_json::{Value, json};
 use std::io;
 use surfometry::inputs::OpenOptions;
-use surfometry::io::{ImageHeader, read_header};
+use surfometry::io::{ImageHeader, RawLayout, read_header};
 use surfometry::runs::words::spacing;
 use surfometry::runs::{Batch, Failure, InfoTask, InputDescription, Sink};
 use surfometry::volume::Spacing;
@@ -24,6 +24,10 @@ pub(crate) struct Args {
     /// Voxel spacing in mm, fastest axis first: replaces the file's, or supplies what it lacks
     #[arg(long, value_name = "X,Y,Z", value_parser = spacing, allow_hyphen_values = true)]
     spacing: Option<Spacing>,
+    /// Image files have no header: voxels along x, y, z (x is the fastest) and their type, as 80x50x83:uint16; then
+    /// :big for big-endian numbers, :N for N bytes in front
+    #[arg(long, value_name = "XxYxZ:TYPE")]
+    raw: Option<RawLayout>,
     /// Print JSON
     #[arg(long)]
     json: bool,
@@ -31,7 +35,7 @@ pub(crate) struct Args {
 
 pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
     let inputs = expand(&args.inputs);
-    let open = OpenOptions { spacing: args.spacing.map(|s| s.mm()) };
+    let open = OpenOptions { spacing: args.spacing.map(|s| s.mm()), raw: args.raw };
     let control = control(inputs.len(), Voice { quiet, memory: false });
     let mut documents = Documents::default();
     let outcome = Batch { inputs: &inputs, open, control: &control, cure }.run(&InfoTask, &mut documents)?;

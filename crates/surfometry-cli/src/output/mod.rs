@@ -64,7 +64,7 @@ pub(crate) fn check_output(file: Option<&Path>, inputs: &[String]) -> Result<()>
     let same = |input: &String| {
         let is_there = |file: &PathBuf| file.canonicalize().is_ok_and(|i| outputs.contains(&i));
         let own = is_there(&PathBuf::from(input));
-        let options = OpenOptions { spacing: Some([1.0; 3]) };
+        let options = OpenOptions { spacing: Some([1.0; 3]), ..OpenOptions::default() };
         let parts = || open(input, &options).is_ok_and(|source| source.files().iter().any(is_there));
         own || (has_parts(input) && parts())
     };

@@ -15,6 +15,7 @@ pub(crate) use names::known_stem;
 pub use names::{distinct_parts, grey_image_warning, input_title, with_parts};
 
 use crate::accuracy::Flag;
+use crate::io::RawLayout;
 use crate::phantoms::{Phantom, Truth};
 use crate::volume::{Grid, SlabReader};
 use std::collections::BTreeMap;
@@ -87,6 +88,8 @@ pub struct HeaderFacts {
 pub struct OpenOptions {
     /// Spacing in mm, fastest axis first: replaces the input's, or supplies what it lacks.
     pub spacing: Option<[f64; 3]>,
+    /// How voxels are stored in image files, which then have no header.
+    pub raw: Option<RawLayout>,
 }
 
 /// Opens whatever a name stands for.

@@ -27,6 +27,8 @@ pub enum Format {
     LegacyVtk,
     /// VTK's XML image data: .vti.
     Vti,
+    /// Voxels without a header.
+    Raw,
     /// A folder of slices, each a TIFF or PNG file.
     Slices,
     /// Zarr and OME-Zarr: a folder.
@@ -85,10 +87,11 @@ impl Format {
             ));
         }
         Self::of_name(path).ok_or_else(|| {
-            let content = foreign::content(path).map_or_else(String::new, |kind| format!(" (it is {kind})"));
-            ReadError::UnknownFormat(format!(
-                "the file's ending names no format that is read{content}; {SUPPORTED}"
-            ))
+            let unknown = "the file's ending names no format that is read";
+            match foreign::content(path) {
+                Some(kind) => ReadError::UnknownFormat(format!("{unknown} (it is {kind}); {SUPPORTED}")),
+                None => ReadError::UnknownContent(format!("{unknown}; {SUPPORTED}")),
+            }
         })
     }
 
@@ -128,6 +131,7 @@ impl Format {
             Self::Tiff => "TIFF",
             Self::LegacyVtk => "legacy VTK",
             Self::Vti => "VTK image data",
+            Self::Raw => "raw",
             Self::Slices => "slices",
             #[cfg(feature = "zarr")]
             Self::Zarr => "Zarr",

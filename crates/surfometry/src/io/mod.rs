@@ -34,6 +34,7 @@ mod nifti_writer;
 mod npy;
 mod nrrd;
 mod packed;
+mod raw;
 mod stack;
 mod text_header;
 mod text_numbers;
@@ -52,6 +53,8 @@ pub use growing_file::{GrowingFile, ResultOutput};
 pub use header::ImageHeader;
 pub use mesh::{MeshDocument, MeshFormat, is_mesh, mesh_paths, read_mesh, write_mesh};
 pub use nifti_writer::{write_labels, write_voxel_map};
+pub(crate) use raw::read_header as read_raw_header;
+pub use raw::{RawLayout, RawLayoutError};
 pub use voxel_stream::VoxelStream;
 pub use whole_file::write_whole;
 
@@ -100,6 +103,8 @@ pub fn read_header(path: impl AsRef<Path>) -> Result<ImageHeader, ReadError> {
         Format::Nifti => nifti::read_header(path),
         Format::MetaImage => metaimage::read_header(path),
         Format::Nrrd => nrrd::read_header(path),
+        // Such a file is never found out: the caller says so.
+        Format::Raw => Err(ReadError::UnknownFormat("no header".into())),
         Format::Npy => npy::read_header(path),
         Format::Mgh => mgh::read_header(path),
         Format::Aim => aim::read_header(path),

@@ -3,6 +3,7 @@
 use super::{LabelScales, Lengths, Plan, RunError};
 use crate::inputs::OpenOptions;
 use crate::integrals::{QuadratureRule, Smearing};
+use crate::io::RawLayout;
 use crate::measurement::{Clip, CurvatureScale, Derivatives, EmbeddingKind, Measurement, Padding};
 use crate::volume::{LabelSelection, Spacing};
 
@@ -22,6 +23,8 @@ pub struct Choices {
     pub labels: LabelSelection,
     /// Spacing in mm, fastest axis first, in the place of the input's.
     pub spacing: Option<Spacing>,
+    /// How voxels are stored in files without a header.
+    pub raw: Option<RawLayout>,
     /// Blur, mm.
     pub sigma: Lengths,
     /// Thickness of the band, mm.
@@ -55,7 +58,7 @@ impl Choices {
         let plan = Plan {
             measurement: self.measurement(),
             scales: LabelScales { sigma_mm: self.sigma.own(), thickness_mm: self.thickness.own() },
-            open: OpenOptions { spacing: self.spacing.map(|spacing| spacing.mm()) },
+            open: self.open(),
             labels: self.labels.clone(),
             curvature,
             recover: self.embedding.is_none(),
@@ -66,6 +69,11 @@ impl Choices {
             plan.scales.check(objects)?;
         }
         Ok(plan)
+    }
+
+    /// How inputs are opened.
+    pub fn open(&self) -> OpenOptions {
+        OpenOptions { spacing: self.spacing.map(|spacing| spacing.mm()), raw: self.raw }
     }
 
     fn measurement(&self) -> Measurement {

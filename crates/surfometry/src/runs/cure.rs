@@ -16,6 +16,8 @@ pub enum Cure {
     GivenEmbedding,
     /// To choose among the labels that there are.
     Label,
+    /// To say how the voxels of a file without a header are stored.
+    Raw,
 }
 
 impl Cure {
@@ -23,6 +25,7 @@ impl Cure {
     pub fn of(error: &RunError) -> Option<Self> {
         match error {
             RunError::Input(InputError::MeshWithoutSpacing) => Some(Self::Spacing),
+            RunError::Input(InputError::Read(ReadError::UnknownContent(_))) => Some(Self::Raw),
             RunError::Input(InputError::Read(ReadError::Volume(error)))
             | RunError::Measure(MeasureError::Volume(error)) => Self::of_volume(error),
             _ => None,

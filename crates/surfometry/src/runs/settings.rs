@@ -12,6 +12,9 @@ pub struct Settings {
     #[serde(flatten)]
     measurement: Measurement,
     spacing: Option<[f64; 3]>,
+    /// How files without a header are read.
+    #[serde(default)]
+    raw: Option<String>,
     /// `None` where all labels are measured.
     label: Option<Vec<LabelGroup>>,
     per_component: bool,
@@ -25,6 +28,7 @@ impl Settings {
         Self {
             measurement: plan.measurement,
             spacing: plan.open.spacing,
+            raw: plan.open.raw.map(|layout| layout.to_string()),
             label: match &plan.labels {
                 LabelSelection::All => None,
                 LabelSelection::Groups(groups) => Some(groups.clone()),
