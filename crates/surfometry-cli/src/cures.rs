@@ -10,6 +10,7 @@ pub(crate) fn cure(error: &RunError) -> Option<&'static str> {
         Cure::Threshold => Some("--threshold LOW..HIGH"),
         Cure::Label => Some("--label"),
         Cure::Names => Some("--names FILE"),
+        Cure::Raw => Some("--raw XxYxZ:TYPE, as 80x50x83:uint16"),
         _ => None,
     }
 }

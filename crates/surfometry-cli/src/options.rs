@@ -6,7 +6,7 @@ use clap::{Args, ValueEnum};
 use std::path::{Path, PathBuf};
 use surfometry::inputs::{Preparation, Threshold};
 use surfometry::integrals::{QuadratureRule, Smearing};
-use surfometry::io::{ReadError, read_label_names};
+use surfometry::io::{RawLayout, ReadError, read_label_names};
 use surfometry::measurement::{Clip, CurvatureScale, Derivatives, EmbeddingKind, Padding};
 use surfometry::runs::words::{curvature_scale, fraction, padding, positive, spacing};
 use surfometry::runs::{Choices, DocumentForm, Lengths, Plan, SelectionWords, SweptParameter};
@@ -98,6 +98,10 @@ pub(crate) struct InputSelection {
     spacing: Option<Spacing>,
     #[command(flatten)]
     preparation: PreparationOptions,
+    /// Image files have no header: voxels along x, y, z (x is the fastest) and their type, as 80x50x83:uint16; then
+    /// :big for big-endian numbers, :N for N bytes in front
+    #[arg(long, value_name = "XxYxZ:TYPE")]
+    raw: Option<RawLayout>,
 }
 
 impl InputSelection {
@@ -112,7 +116,7 @@ impl InputSelection {
     fn choices(&self) -> Choices {
         let (labels, names) = (self.label.clone(), self.names.table());
         let preparation = self.preparation.chosen();
-        Choices { labels, names, spacing: self.spacing, preparation, ..Choices::default() }
+        Choices { labels, names, spacing: self.spacing, preparation, raw: self.raw, ..Choices::default() }
     }
 }
 

@@ -65,14 +65,23 @@ fn every_variant_gives_the_same_numbers() {
     for name in ["femur_noform.nii.gz", "femur_spacings_only.nrrd"] {
         assert_same(name, &measured(&read_labels(data("femur").join(name)).unwrap()), &reference, 2e-6);
     }
-    // Scanco's have no directions.
-    for name in ["femur.AIM", "femur_i16.AIM"] {
+    // These formats have no directions.
+    for name in [
+        "femur.AIM",
+        "femur_i16.AIM",
+        "femur.vtk",
+        "femur_imagej.tif",
+        "femur_ome0.4.zarr",
+        "femur_ome0.5.zarr",
+    ] {
         assert_same(name, &measured(&read_labels(data("femur").join(name)).unwrap()), &reference, 2e-6);
     }
     // Spacing is lost: the user gives it.
     let options = ReadOptions { spacing: Some([1.5, 2.0, 2.5]) };
-    let found = measured(&read_labels_with(data("femur/femur.npy"), options).unwrap());
-    assert_same("femur.npy", &found, &reference, 2e-6);
+    for name in ["femur.npy", "femur_plain_zlib.tif", "femur_big.tif", "femur_1bit.tif"] {
+        let found = measured(&read_labels_with(data("femur").join(name), options).unwrap());
+        assert_same(name, &found, &reference, 2e-6);
+    }
     let refused = read_labels(data("femur/femur.npy")).unwrap_err().to_string();
     assert!(refused.contains("say what"), "{refused}");
 }
@@ -91,6 +100,8 @@ fn other_peoples_files() {
     let isq = read_labels(data("original/test_isq_calibrated_binary_25.ISQ")).unwrap();
     assert_eq!(isq.summaries()[0].voxels, 547);
     assert_eq!(isq.grid().spacing().mm(), [0.06; 3]);
+    let galaxy = read_labels(data("original/galaxy_input9_v05.zarr")).unwrap();
+    assert_eq!((galaxy.grid().dimensions(), galaxy.summaries()[0].voxels), ([100, 100, 2], 10_076));
     for name in ["spine_seg.nrrd", "liver_seg.nrrd"] {
         let image = read_labels(data("original").join(name)).unwrap();
         let label = image.summaries()[0].label;

@@ -9,7 +9,7 @@ use anyhow::Result;
 use serde_json::{Value, json};
 use std::io;
 use surfometry::inputs::OpenOptions;
-use surfometry::io::{ImageHeader, read_header};
+use surfometry::io::{ImageHeader, RawLayout, read_header};
 use surfometry::runs::words::spacing;
 use surfometry::runs::{Batch, Failure, InfoTask, InputDescription, Sink};
 use surfometry::volume::Spacing;
@@ -27,6 +27,10 @@ pub(crate) struct Args {
     spacing: Option<Spacing>,
     #[command(flatten)]
     names: NameOptions,
+    /// Image files have no header: voxels along x, y, z (x is the fastest) and their type, as 80x50x83:uint16; then
+    /// :big for big-endian numbers, :N for N bytes in front
+    #[arg(long, value_name = "XxYxZ:TYPE")]
+    raw: Option<RawLayout>,
     /// Print JSON
     #[arg(long)]
     json: bool,
@@ -34,8 +38,8 @@ pub(crate) struct Args {
 
 pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
     let inputs = expand(&args.inputs);
-    let spacing = args.spacing.map(|s| s.mm());
-    let open = OpenOptions { spacing, names: args.names.table(), ..OpenOptions::default() };
+    let (spacing, raw) = (args.spacing.map(|s| s.mm()), args.raw);
+    let open = OpenOptions { spacing, raw, names: args.names.table(), ..OpenOptions::default() };
     let control = control(inputs.len(), Voice { quiet, memory: false });
     let mut documents = Documents::default();
     let outcome = Batch { inputs: &inputs, open, control: &control, cure }.run(&InfoTask, &mut documents)?;

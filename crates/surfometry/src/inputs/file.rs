@@ -3,7 +3,7 @@
 use super::slabs::Reader;
 use super::{HeaderFacts, InputError, OpenOptions, Slabs, Source};
 use crate::accuracy::{Flag, FlagCode};
-use crate::io::{ImageHeader, VoxelStream, read_header};
+use crate::io::{ImageHeader, VoxelStream, read_header, read_raw_header};
 use crate::volume::{Grid, LabelTable, Segments};
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
@@ -22,7 +22,10 @@ pub(super) struct FileSource {
 
 impl FileSource {
     pub(super) fn open(path: &Path, options: &OpenOptions) -> Result<Self, InputError> {
-        let header = read_header(path)?;
+        let header = match options.raw {
+            Some(layout) => read_raw_header(path, layout)?,
+            None => read_header(path)?,
+        };
         let grid = header.grid(options.spacing)?;
         let surplus = Arc::new(AtomicU64::new(header.raw_surplus()));
         Ok(Self { path: path.to_owned(), header, grid, replaced: options.spacing.is_some(), surplus })

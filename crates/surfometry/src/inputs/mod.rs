@@ -21,6 +21,7 @@ pub use preparation::{Changes, Preparation, Preparations, PreparedObject, Thresh
 pub use prepared::prepared;
 
 use crate::accuracy::Flag;
+use crate::io::RawLayout;
 use crate::phantoms::{Phantom, Truth};
 use crate::volume::{Grid, LabelTable, Segments, SlabReader};
 use std::collections::BTreeMap;
@@ -114,6 +115,8 @@ pub struct OpenOptions {
     pub preparation: Preparation,
     /// Names and colours of labels, which win over the input's own.
     pub names: LabelTable,
+    /// How voxels are stored in image files, which then have no header.
+    pub raw: Option<RawLayout>,
 }
 
 /// Opens whatever a name stands for.

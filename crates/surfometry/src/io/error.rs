@@ -28,6 +28,9 @@ pub enum ReadError {
     /// No supported format.
     #[error("{0}")]
     UnknownFormat(String),
+    /// No supported format, nor another one that its content would tell: voxels alone, perhaps.
+    #[error("{0}; where it holds voxels alone, say how they are stored")]
+    UnknownContent(String),
     /// The header makes no sense.
     #[error("damaged or unsupported {format} header: {reason}")]
     Header {

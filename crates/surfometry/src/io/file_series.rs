@@ -28,7 +28,7 @@ impl FileSeries {
     /// The voxels of an image of so many slices; what is wrong with the number of files.
     pub(super) fn voxels(self, slices: usize, slice_bytes: u64) -> Result<Voxels, String> {
         let files = self.files.len();
-        if files == 0 || slices % files != 0 {
+        if files == 0 || !slices.is_multiple_of(files) {
             return Err(format!("{files} data files for {slices} slices; name one a slice"));
         }
         let each = (slices / files) as u64 * slice_bytes;

@@ -34,6 +34,8 @@ pub enum Format {
     LegacyVtk,
     /// VTK's XML image data: .vti.
     Vti,
+    /// Voxels without a header.
+    Raw,
     /// A folder of slices, each a TIFF or PNG file.
     Slices,
     /// Zarr and OME-Zarr: a folder.
@@ -87,10 +89,11 @@ impl Format {
             ));
         }
         Self::of_name(path).or_else(|| Self::of_content(path)).ok_or_else(|| {
-            let content = foreign::content(path).map_or_else(String::new, |kind| format!(" (it is {kind})"));
-            ReadError::UnknownFormat(format!(
-                "the file's ending names no format that is read{content}; {SUPPORTED}"
-            ))
+            let unknown = "the file's ending names no format that is read";
+            match foreign::content(path) {
+                Some(kind) => ReadError::UnknownFormat(format!("{unknown} (it is {kind}); {SUPPORTED}")),
+                None => ReadError::UnknownContent(format!("{unknown}; {SUPPORTED}")),
+            }
         })
     }
 
@@ -156,6 +159,7 @@ impl Format {
             Self::Tiff => "TIFF",
             Self::LegacyVtk => "legacy VTK",
             Self::Vti => "VTK image data",
+            Self::Raw => "raw",
             Self::Slices => "slices",
             #[cfg(feature = "zarr")]
             Self::Zarr => "Zarr",

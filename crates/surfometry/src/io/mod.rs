@@ -41,6 +41,7 @@ mod npy;
 mod nrrd;
 mod overlay;
 mod packed;
+mod raw;
 mod segmentation;
 mod stack;
 mod text_header;
@@ -63,6 +64,8 @@ pub use label_names::{label_names_of_text, read_label_names};
 pub use mesh::{MeshDocument, MeshFormat, is_mesh, mesh_paths, read_mesh, write_mesh};
 pub(crate) use mesh::{MeshFile, read_mesh_file};
 pub use nifti_writer::{write_labels, write_voxel_map};
+pub(crate) use raw::read_header as read_raw_header;
+pub use raw::{RawLayout, RawLayoutError};
 pub use voxel_stream::VoxelStream;
 pub use whole_file::{try_writing, write_whole};
 
@@ -111,6 +114,8 @@ pub fn read_header(path: impl AsRef<Path>) -> Result<ImageHeader, ReadError> {
         Format::Nifti => nifti::read_header(path),
         Format::MetaImage => metaimage::read_header(path),
         Format::Nrrd => nrrd::read_header(path),
+        // Such a file is never found out: the caller says so.
+        Format::Raw => Err(ReadError::UnknownFormat("no header".into())),
         Format::Npy => npy::read_header(path),
         Format::Mgh => mgh::read_header(path),
         Format::Aim => aim::read_header(path),

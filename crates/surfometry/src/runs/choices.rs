@@ -3,6 +3,7 @@
 use super::{CalledObjects, LabelScales, Lengths, Plan, RunError, SelectionWords};
 use crate::inputs::{OpenOptions, Preparation};
 use crate::integrals::{QuadratureRule, Smearing};
+use crate::io::RawLayout;
 use crate::measurement::{Clip, CurvatureScale, Derivatives, EmbeddingKind, Measurement, Padding};
 use crate::volume::{LabelSelection, LabelTable, Spacing};
 
@@ -26,6 +27,8 @@ pub struct Choices {
     pub preparation: Preparation,
     /// Names of labels, which win over the input's own.
     pub names: LabelTable,
+    /// How voxels are stored in files without a header.
+    pub raw: Option<RawLayout>,
     /// Blur, mm.
     pub sigma: Lengths,
     /// Thickness of the band, mm.
@@ -83,6 +86,7 @@ impl Choices {
     pub fn open_options(&self) -> OpenOptions {
         OpenOptions {
             spacing: self.spacing.map(|spacing| spacing.mm()),
+            raw: self.raw,
             preparation: self.preparation,
             names: self.names.clone(),
         }

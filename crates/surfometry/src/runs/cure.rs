@@ -20,6 +20,8 @@ pub enum Cure {
     Label,
     /// To say what labels are called.
     Names,
+    /// To say how the voxels of a file without a header are stored.
+    Raw,
 }
 
 impl Cure {
@@ -29,6 +31,7 @@ impl Cure {
             RunError::Input(InputError::MeshWithoutSpacing) => Some(Self::Spacing),
             RunError::NoSuchName { nameless: true, .. } => Some(Self::Names),
             RunError::NoSuchName { .. } | RunError::NoVoxels { .. } => Some(Self::Label),
+            RunError::Input(InputError::Read(ReadError::UnknownContent(_))) => Some(Self::Raw),
             RunError::Input(InputError::Read(ReadError::Volume(error)))
             | RunError::Measure(MeasureError::Volume(error)) => Self::of_volume(error),
             _ => None,

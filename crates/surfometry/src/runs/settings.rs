@@ -3,6 +3,7 @@
 use super::{CalledObjects, ExplainTopology, LabelScales, Plan, ScaleLedger};
 use crate::Measurement;
 use crate::inputs::{OpenOptions, Preparation};
+use crate::io::RawLayout;
 use crate::measurement::CurvatureScale;
 use crate::volume::{LabelGroup, LabelSelection, LabelTable};
 use serde::{Deserialize, Serialize};
@@ -16,6 +17,9 @@ pub struct Settings {
     spacing: Option<[f64; 3]>,
     #[serde(default)]
     preparation: Preparation,
+    /// How files without a header are read.
+    #[serde(default)]
+    raw: Option<RawLayout>,
     /// `None` where all labels are measured.
     label: Option<Vec<LabelGroup>>,
     /// What is called by names.
@@ -39,6 +43,7 @@ impl Settings {
             measurement: plan.measurement,
             spacing: plan.open.spacing,
             preparation: plan.open.preparation,
+            raw: plan.open.raw,
             label: match &plan.labels {
                 LabelSelection::All => None,
                 LabelSelection::Groups(groups) => Some(groups.clone()),
@@ -60,6 +65,7 @@ impl Settings {
             scale_ledger: ScaleLedger::default(),
             open: OpenOptions {
                 spacing: self.spacing,
+                raw: self.raw,
                 preparation: self.preparation,
                 names: self.names.clone(),
             },

@@ -25,10 +25,8 @@ impl Description {
         if text.starts_with("ImageJ=") {
             return image_j(text, resolution);
         }
-        match text.trim_start_matches('\u{feff}').trim_start().starts_with('<') {
-            true => ome(text),
-            false => Ok(Self::default()),
-        }
+        let is_xml = text.trim_start_matches('\u{feff}').trim_start().starts_with('<');
+        if is_xml { ome(text) } else { Ok(Self::default()) }
     }
 
     /// The spacing of the file's own, else of nnU-Net's file beside it: `{"spacing": [z, y, x]}`, in the order of the

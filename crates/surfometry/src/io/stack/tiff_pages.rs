@@ -210,7 +210,7 @@ fn pixels(path: &Path, decoder: &mut Pages, page: Page) -> Result<Vec<u8>, ReadE
     if decoder.find_tag_unsigned::<u16>(Tag::PhotometricInterpretation).map_err(damaged)?
         == Some(white_is_zero)
     {
-        stored.iter_mut().for_each(|byte| *byte = !*byte);
+        stored = stored.into_iter().map(|byte| !byte).collect();
     }
     let voxels = page.unpacked(stored);
     if voxels.len() == page.bytes() {

@@ -42,12 +42,12 @@ pub(super) fn choose(path: &Path) -> Result<Chosen, ReadError> {
     }
     // Labels have no labels of their own.
     let labels = path.join("labels");
-    if node.ome("image-label").is_null() && is_zarr(&labels) {
-        if let Value::Array(names) = Node::read(&labels)?.ome("labels") {
-            if !names.is_empty() {
-                return of_labels(&labels, names);
-            }
-        }
+    if node.ome("image-label").is_null()
+        && is_zarr(&labels)
+        && let Value::Array(names) = Node::read(&labels)?.ome("labels")
+        && !names.is_empty()
+    {
+        return of_labels(&labels, names);
     }
     let first = node.ome("multiscales").pointer("/0/datasets/0/path").and_then(Value::as_str);
     let level =

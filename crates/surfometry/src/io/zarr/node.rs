@@ -69,25 +69,13 @@ impl Node {
                 .and_then(|list| list.iter().map(size).collect::<Option<Vec<_>>>());
             list.ok_or_else(|| error(format!("{key} is no list of sizes; copy or export the array again")))
         };
-        let chunks = match self.version {
-            2 => array.get("chunks"),
-            _ => array.pointer("/chunk_grid/configuration/chunk_shape"),
+        let (key, chunks) = match self.version {
+            2 => ("dtype", array.get("chunks")),
+            _ => ("data_type", array.pointer("/chunk_grid/configuration/chunk_shape")),
         };
-        let (key, name) = match self.version {
-            2 => (
-                "dtype",
-                array
-                    .get("dtype")
-                    .map(|name| name.as_str().map(str::to_owned).unwrap_or_else(|| name.to_string())),
-            ),
-            _ => (
-                "data_type",
-                array
-                    .get("data_type")
-                    .map(|name| name.as_str().map(str::to_owned).unwrap_or_else(|| name.to_string())),
-            ),
-        };
-        let name = name.ok_or_else(|| error(format!("no {key}; copy or export the array again")))?;
+        let kind =
+            array.get(key).ok_or_else(|| error(format!("no {key}; copy or export the array again")))?;
+        let name = kind.as_str().map_or_else(|| kind.to_string(), str::to_owned);
         let scalar = scalar(&name).ok_or_else(|| ReadError::VoxelType(format!("Zarr {name}")))?;
         let (shape, chunks) = (sizes(array.get("shape"), "shape")?, sizes(chunks, "the chunks' shape")?);
         if shape.len() != chunks.len() {
