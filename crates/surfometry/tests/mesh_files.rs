@@ -185,7 +185,7 @@ fn bytes_behind_the_last_element_are_told() {
     for (name, bytes) in [("a.stl", binary_solid("", 12)), ("a.ply", ply("ascii", false).into_bytes())] {
         let found = flags(name, b"0 more bytes\0", bytes);
         assert_eq!(found[0].code, FlagCode::SurplusData);
-        assert!(found[0].message.starts_with("1"), "{}", found[0].message);
+        assert!(found[0].message.starts_with('1'), "{}", found[0].message);
     }
 }
 
@@ -228,9 +228,9 @@ fn binary_ply(big: bool) -> Vec<u8> {
             n => {
                 let of = |v: i32| if big { v.to_be_bytes() } else { v.to_le_bytes() };
                 if n == 5 {
-                    bytes.push(4)
+                    bytes.push(4);
                 } else {
-                    bytes.extend(of(5))
+                    bytes.extend(of(5));
                 }
                 bytes.extend(words[1..].iter().flat_map(|w| of(int(w))));
             }
@@ -281,9 +281,9 @@ fn all_faces_of_a_ply() {
 #[test]
 fn wavefront_and_geomview() {
     let folder = Folder::new();
-    let v = places().lines().map(|line| format!("v {line} 1 0 0\n")).collect::<String>();
+    let v = places().lines().map(|line| format!("v {line} 1 0 0\n")).collect::<Vec<_>>().concat();
     let f = |corner: &dyn Fn(usize) -> String| -> String {
-        SIDES.iter().map(|side| format!("f {}\n", side.map(corner).join(" "))).collect()
+        SIDES.map(|side| format!("f {}\n", side.map(corner).join(" "))).concat()
     };
     for corners in [
         f(&|n| (n + 1).to_string()),
@@ -306,7 +306,7 @@ fn wavefront_and_geomview() {
     folder.refused("a.obj", b"\x7fELF\0\0\0", &["Wavefront"]);
 
     let off = |first: &str, behind: &str| {
-        let rows: String = places().lines().map(|line| format!("{line}{behind}\n")).collect();
+        let rows = places().lines().map(|line| format!("{line}{behind}\n")).collect::<Vec<_>>().concat();
         format!("{first}# made for a test, \u{e9}\n\n{rows}{}", faces(0).replace('\n', " 255 0 0\n"))
     };
     for (first, behind) in [
@@ -370,7 +370,7 @@ fn poly_data_of_vtk() {
     folder.refused("a.vtp", vtp("ImageData", &cells), &["ImageData"]);
     folder.refused("a.vtp", vtp("PolyData", &cells.replace("12 16 20", "12 16 30")), &["offsets"]);
     folder.refused("a.vtp", vtp("PolyData", &cells.replace("12 16 20", "12 16")), &["offsets"]);
-    folder.refused("a.vtp", vtp("PolyData", &cells)[..400].to_owned(), &["XML"]);
+    folder.refused("a.vtp", &vtp("PolyData", &cells)[..400], &["XML"]);
     folder.refused("a.vtp", "<a>".repeat(100_000), &["XML"]);
     folder.refused("a.vtp", "<a/>".repeat(1_000_000), &["XML"]);
 }

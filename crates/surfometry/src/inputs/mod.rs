@@ -161,7 +161,7 @@ pub enum Kind {
 }
 
 impl Kind {
-    /// By the name alone.
+    /// By the name; of a `.vtk` file, which may be either, by what it holds.
     pub fn of(name: &str) -> Self {
         if Phantom::is_spec(name) {
             Self::Phantom
