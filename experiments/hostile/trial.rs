@@ -58,10 +58,10 @@ impl Watchdog {
         match catch_unwind(AssertUnwindSafe(work)) {
             Ok(Ok(())) => tally.accepted += 1,
             Ok(Err(message)) if message.starts_with("WRONG") => {
-                tally.faults.push(format!("case {case}: {message}"))
+                tally.faults.push(format!("case {case}: {message}"));
             }
             Ok(Err(message)) if message.trim().len() < 12 => {
-                tally.faults.push(format!("case {case}: says only `{message}`"))
+                tally.faults.push(format!("case {case}: says only `{message}`"));
             }
             Ok(Err(_)) => tally.refused += 1,
             Err(panic) => {
