@@ -38,6 +38,7 @@ pub struct InputObject {
     /// Its colour in sRGB, where the input holds one.
     pub colour: Option<[u8; 3]>,
     /// What tells its files from those of the input's other objects; `None` where it is the only one.
+    #[cfg_attr(not(feature = "pictures"), allow(dead_code))]
     pub(super) file_part: Option<String>,
     /// Which of the label's pieces, the largest being 1; `None` where all are one object.
     pub component: Option<u64>,
