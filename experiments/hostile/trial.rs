@@ -91,7 +91,7 @@ pub(crate) fn read(path: &Path, measures: bool) -> Result<(), String> {
         _ if is_mesh(path) && !measures => read_mesh(path).map(drop).map_err(|e| text(&e)),
         _ if measures => {
             let known = path.extension().is_some_and(|ending| ending == "npy") || is_mesh(path);
-            let open = OpenOptions { spacing: known.then_some(SPACING), preparation: Preparation::default() };
+            let open = OpenOptions { spacing: known.then_some(SPACING), ..OpenOptions::default() };
             records_of(&path.to_string_lossy(), &Plan { open, ..Plan::default() })
                 .map(drop)
                 .map_err(|e| text(&e))

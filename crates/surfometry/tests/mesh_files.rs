@@ -178,7 +178,11 @@ fn bytes_behind_the_last_element_are_told() {
     let folder = Folder::new();
     let flags = |name: &str, behind: &[u8], bytes: Vec<u8>| {
         let path = folder.write(name, [&bytes, behind].concat());
-        let source = open(path.to_str().unwrap(), &OpenOptions { spacing: Some([0.4, 0.5, 0.6]) }).unwrap();
+        let source = open(
+            path.to_str().unwrap(),
+            &OpenOptions { spacing: Some([0.4, 0.5, 0.6]), ..OpenOptions::default() },
+        )
+        .unwrap();
         source.flags()
     };
     assert_eq!(flags("a.stl", &[0; 30], binary_solid("", 12)), []);
@@ -486,7 +490,10 @@ fn damaged_files_of_every_format() {
                 }
             }
             let path = folder.write(name, &bytes);
-            let source = open(path.to_str().unwrap(), &OpenOptions { spacing: Some([1.0, 1.5, 2.0]) });
+            let source = open(
+                path.to_str().unwrap(),
+                &OpenOptions { spacing: Some([1.0, 1.5, 2.0]), ..OpenOptions::default() },
+            );
             if let Err(error) = source.map(drop) {
                 assert!(error.to_string().len() < 600, "{error}");
             }

@@ -166,12 +166,23 @@ mod tests {
 
     #[test]
     fn only_endings_of_files_are_cut_off() {
-        for name in ["S01.left", "p1.5mm", "sub-1.5mm.v2", "scan_2024.01.05", "a.gz", ".nii", "a.", "é.tif"]
+        for name in ["S01.left", "p1.5mm", "sub-1.5mm.v2", "scan_2024.01.05", "a.gz", ".nii", "a.", "é.xyz"]
         {
             assert_eq!(known_stem(name), name);
         }
-        for ending in [".nii", ".NII.GZ", ".img.gz", ".nrrd", ".csv.gz", ".surf.gii", ".gii", ".ply", ".raw"]
-        {
+        for ending in [
+            ".nii",
+            ".NII.GZ",
+            ".img.gz",
+            ".nrrd",
+            ".csv.gz",
+            ".surf.gii",
+            ".gii",
+            ".ply",
+            ".raw",
+            ".tif",
+            ".AIM;1",
+        ] {
             assert_eq!(known_stem(&format!("p1.5mm{ending}")), "p1.5mm");
         }
     }

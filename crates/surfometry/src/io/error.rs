@@ -204,7 +204,7 @@ impl ReadError {
     }
 }
 
-/// For readers of bytes, whose errors are those of files: `ReadError::of_read` takes it out again.
+/// For readers of bytes, whose errors are those of files; who reads takes it out again.
 impl From<ReadError> for io::Error {
     fn from(error: ReadError) -> Self {
         Self::other(error)
