@@ -9,7 +9,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 use surfometry::Measurement;
 use surfometry::comparison::{Table, compare};
-use surfometry::inputs::{OpenOptions, Preparation};
+use surfometry::inputs::OpenOptions;
 use surfometry::io::{ReadOptions, is_mesh, read_labels_with, read_mesh};
 use surfometry::measurement::EmbeddingKind;
 use surfometry::runs::{Plan, records_of};
