@@ -423,7 +423,7 @@ fn empty_files_and_empty_meshes() {
     }
     let measured = |name: &str, text: String| {
         let path = folder.write(name, text);
-        open(path.to_str().unwrap(), &OpenOptions { spacing: Some([1.0; 3]) })
+        open(path.to_str().unwrap(), &OpenOptions { spacing: Some([1.0; 3]), ..OpenOptions::default() })
             .map(drop)
             .unwrap_err()
             .to_string()

@@ -85,7 +85,7 @@ fn every_mask_at_every_scale() {
             for blur in [0.3, 1.0, 2.0, 16.0] {
                 let name = format!("{what}, {spacing:?} mm, {blur} spacings");
                 in_time(&name, || {
-                    check(&name, &Measurement::default().sigma_mm(blur * unit).run(mask.clone()).unwrap())
+                    check(&name, &Measurement::default().sigma_mm(blur * unit).run(mask.clone()).unwrap());
                 });
             }
             in_time(what, || check(what, &Measurement::default().run_settled(mask.clone()).unwrap()));
@@ -100,7 +100,7 @@ fn every_mask_at_every_scale() {
         ] {
             let name = format!("{what}, {kind:?}");
             in_time(&name, || {
-                check(&name, &Measurement::default().embedding(kind).run(mask.clone()).unwrap())
+                check(&name, &Measurement::default().embedding(kind).run(mask.clone()).unwrap());
             });
         }
         for measurement in [

@@ -6,7 +6,7 @@ use surfometry_real_data::fault;
 
 /// Volume and centroid of the voxels of 0.5 mm, or why there are none.
 fn voxels(name: &str) -> Result<(f64, [f64; 3]), InputError> {
-    let options = OpenOptions { spacing: Some([0.5; 3]) };
+    let options = OpenOptions { spacing: Some([0.5; 3]), ..OpenOptions::default() };
     let source = open(fault(&format!("io/{name}")).to_str().unwrap(), &options)?;
     let image = LabelImage::from_slabs(&mut source.slabs()?)?;
     let measured = surfometry::Measurement::default().run(image.mask(1)).unwrap();
