@@ -96,8 +96,9 @@ fn json_is_the_contract() {
     expected.extend(group("grid", &["dimensions", "spacing_mm"]));
     expected.extend(["recovery", "flags"].map(str::to_owned));
     expected.extend(group("truth", &plain[..6]));
-    expected.push("curvature_sigma_mm".to_owned());
-    expected.extend(["read_seconds", "seconds"].map(str::to_owned));
+    expected.extend(
+        ["preparation", "curvature_sigma_mm", "input_sha256", "read_seconds", "seconds"].map(str::to_owned),
+    );
     assert_eq!(keys(record), expected);
     assert_eq!(record["label"], 1);
     assert!(
@@ -178,7 +179,7 @@ fn wrong_commands_end_with_2() {
         &["measure", BALL, "--sigma", "nan"],
         &["measure", BALL, "--thickness", "inf"],
         &["measure", BALL, "--level", "1"],
-        &["measure", BALL, "--label", "x"],
+        &["measure", BALL, "--label", "1,,2"],
         &["measure", BALL, "--spacing", "1,0,1"],
         &["measure", BALL, "--spacing", "1,1"],
         &["measure", BALL, "--thickness", "2", "--epsilon", "0.1"],

@@ -25,8 +25,10 @@ fn ball(value: impl Fn(f32) -> f32) -> Vec<u8> {
 }
 
 fn nrrd(folder: &Path, name: &str, more: &str, voxels: &[u8]) {
+    // A blank line would end the header.
+    let more = if more.is_empty() { String::new() } else { format!("{more}\n") };
     let header = format!(
-        "NRRD0004\ntype: float\ndimension: 3\nsizes: {N} {N} {N}\nendian: little\nencoding: raw\n{more}\n\n"
+        "NRRD0004\ntype: float\ndimension: 3\nsizes: {N} {N} {N}\n{more}endian: little\nencoding: raw\n\n"
     );
     fs::write(folder.join(name), [header.as_bytes(), voxels].concat()).unwrap();
 }

@@ -68,7 +68,10 @@ fn shapes_that_are_not_one_volume() {
         &["3-D", "stack the slices"],
     );
     assert_says(&refusal("a.nii", nifti([3, 8, 8, 1, 1, 1, 1, 1], 2, &[1; 64])), &["3-D"]);
-    assert_says(&refusal("a.nii", nifti([4, 4, 4, 4, 3, 1, 1, 1], 2, &[1; 192])), &["3 volumes", "split"]);
+    assert_says(
+        &refusal("a.nii", nifti([4, 4, 4, 4, 3, 1, 1, 1], 2, &[1; 192])),
+        &["3 volumes", "a file of its own"],
+    );
     assert_says(&refusal("a.nii", nifti([3, 4, 0, 4, 1, 1, 1, 1], 2, &[])), &["without voxels"]);
     assert_says(&refusal("a.nii", nifti([3, 4, -4, 4, 1, 1, 1, 1], 2, &[])), &["dim[2] is -4", "damaged"]);
     assert_says(&refusal("a.nii", nifti([9, 4, 4, 4, 1, 1, 1, 1], 2, &[])), &["dim[0] is 9"]);
@@ -277,9 +280,12 @@ fn sizes_that_overflow() {
     let mut file = nifti_2(&pseudo_random());
     let dims = [5i64, 4, 4, 4, 1 << 32, 1 << 32, 1, 1];
     dims.iter().enumerate().for_each(|(i, d)| put(&mut file, 16 + 8 * i, &d.to_le_bytes()));
-    assert_says(&refusal("a.nii", file), &["volumes in one file"]);
+    assert_says(&refusal("a.nii", file), &["volumes or channels in one file"]);
     let header = "NRRD0004\ntype: uint8\ndimension: 5\nsizes: 4 4 4 4294967296 4294967296\nspacings: 1 1 1 1 1\nencoding: raw\n\n";
-    assert_says(&refusal("a.nrrd", header.to_owned() + &"\u{1}".repeat(64)), &["volumes in one file"]);
+    assert_says(
+        &refusal("a.nrrd", header.to_owned() + &"\u{1}".repeat(64)),
+        &["volumes or channels in one file"],
+    );
 }
 
 /// Several gzip members are one stream, cut anywhere, in the header too.

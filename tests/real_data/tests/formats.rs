@@ -108,5 +108,5 @@ fn other_peoples_files() {
         assert!(image.mask(label).touches_border(), "{name} is cut top and bottom");
     }
     let grey = read_labels(data("original/example_nifti2.nii.gz")).unwrap_err().to_string();
-    assert!(grey.contains("volumes in one file"), "{grey}");
+    assert!(grey.contains("volumes or channels in one file"), "{grey}");
 }

@@ -103,7 +103,7 @@ fn header_bytes(file: &Packed) -> Result<Vec<u8>, ReadError> {
 
 /// Reads a compressed header to its end: that of a pair is not compared when the voxels are.
 fn compare_checksum(file: Packed) -> Result<(), ReadError> {
-    std::io::copy(&mut file.into_reader().take(LONGEST_HEADER), &mut std::io::sink())
+    std::io::copy(&mut file.into_reader()?.take(LONGEST_HEADER), &mut std::io::sink())
         .map(drop)
         .map_err(|e| error(format!("{e}; copy or export the file again")))
 }

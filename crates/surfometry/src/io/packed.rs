@@ -47,10 +47,8 @@ impl Packed {
 
     /// The first bytes, unpacked, at most `limit`; of a stream that is damaged, those before the damage, and the error.
     pub(crate) fn start(&self, limit: u64) -> Result<(Vec<u8>, Option<io::Error>), ReadError> {
-        let mut file = self.file.try_clone().map_err(|e| ReadError::io(&self.path, e))?;
-        file.rewind().map_err(|e| ReadError::io(&self.path, e))?;
         let mut bytes = Vec::new();
-        let outcome = self.decoder(file).take(limit).read_to_end(&mut bytes);
+        let outcome = self.decoder(self.rewound()?).take(limit).read_to_end(&mut bytes);
         match outcome {
             Err(error) if !self.is_packed() => Err(ReadError::io(&self.path, error)),
             outcome => Ok((bytes, outcome.err())),
@@ -58,9 +56,15 @@ impl Packed {
     }
 
     /// The whole file, unpacked, from its beginning.
-    pub(crate) fn into_reader(self) -> Box<dyn Read + Send> {
-        let Ok(file) = self.file.try_clone() else { return Box::new(io::empty()) };
-        self.decoder(file)
+    pub(crate) fn into_reader(self) -> Result<Box<dyn Read + Send>, ReadError> {
+        Ok(self.decoder(self.rewound()?))
+    }
+
+    /// A handle of the file, at its beginning; both have one place in it.
+    fn rewound(&self) -> Result<File, ReadError> {
+        let mut file = self.file.try_clone().map_err(|e| ReadError::io(&self.path, e))?;
+        file.rewind().map_err(|e| ReadError::io(&self.path, e))?;
+        Ok(file)
     }
 
     fn decoder(&self, file: File) -> Box<dyn Read + Send> {
@@ -121,7 +125,7 @@ pub(crate) struct PackedStretch {
 impl PackedStretch {
     /// The bytes from `at` on, `size` of them.
     pub(crate) fn open(path: &Path, at: u64, size: u64) -> Result<Self, ReadError> {
-        let whole = BufReader::new(Packed::open(path)?.into_reader()).take(at);
+        let whole = BufReader::new(Packed::open(path)?.into_reader()?).take(at);
         let mut stretch = Self { path: path.to_owned(), bytes: whole };
         stretch.skip(at)?;
         stretch.bytes.set_limit(size);

@@ -99,7 +99,10 @@ impl Measurement {
             let ended = slab.is_none();
             if let Some(slab) = slab {
                 let encoded = stream.encoder.push(&slab, &mut stream.window);
-                encoded.map_err(|error| StreamError::Read(error.into()))?;
+                // Thousands of values that lie all over the image would take hours.
+                let grey =
+                    || if *selection == LabelSelection::All { stream.encoder.check_labels() } else { Ok(()) };
+                encoded.and_then(|()| grey()).map_err(|error| StreamError::Read(error.into()))?;
             }
             source += arrived - start;
             encode += arrived.elapsed();

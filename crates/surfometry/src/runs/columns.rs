@@ -75,7 +75,7 @@ pub(super) const RECORD: [Group; 24] = [
 
 /// Of a [`ReferenceRecord`](super::ReferenceRecord).
 pub(super) const REFERENCE: [Group; 7] = [
-    ("", &["input", "label", "name", "method"]),
+    ("", &["input", "label", "method", "name"]),
     ("", VALUES.split_at(4).0),
     ("", &["euler_characteristic", "structure_model_index"]),
     ("", &["surface_area_without_cuts_mm2", "euler_characteristic_edge_corrected"]),

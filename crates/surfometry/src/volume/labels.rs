@@ -35,6 +35,8 @@ pub struct LabelSummary {
     /// Bounding box.
     pub bounds: IndexBox,
     code: usize,
+    /// Runs along x that its voxels are in.
+    runs: u64,
 }
 
 impl LabelImage {
@@ -126,6 +128,11 @@ impl LabelImage {
         look_grey(self.summaries.iter().map(|s| (s.voxels, s.bounds.voxels() as u64)))
     }
 
+    /// Whether nearly every voxel differs from the next one, too: then the values are no labels.
+    pub(crate) fn is_grey(&self) -> bool {
+        are_grey(&self.summaries)
+    }
+
     /// The label at an index.
     pub fn get(&self, index: [usize; 3]) -> i64 {
         self.labels[self.runs.code_at(index)]
@@ -144,6 +151,17 @@ pub(crate) fn look_grey(labels: impl ExactSizeIterator<Item = (u64, u64)>) -> bo
     }
     let sums = labels.fold((0.0, 0.0), |sums, (voxels, of)| (sums.0 + voxels as f64, sums.1 + of as f64));
     sums.0 < GREY_SHARE * sums.1
+}
+
+/// Voxels of a run along x, on the average, below which a value is a grey one: that of labels are parts of objects.
+const GREY_RUN: u64 = 2;
+
+/// Whether values are grey ones: they lie all over each other, and most of them in runs as short as of noise. Thin
+/// objects that wind about, as nerve cells, have longer ones.
+fn are_grey(summaries: &[LabelSummary]) -> bool {
+    let short = |s: &&LabelSummary| s.voxels < GREY_RUN * s.runs;
+    look_grey(summaries.iter().map(|s| (s.voxels, s.bounds.voxels() as u64)))
+        && 2 * summaries.iter().filter(short).count() > summaries.len()
 }
 
 /// Turns slabs into runs, and counts what occurs.
@@ -201,6 +219,12 @@ impl RunEncoder {
         &self.labels
     }
 
+    /// Refuses grey values, as far as they have gone by.
+    pub(crate) fn check_labels(&self) -> Result<(), VolumeError> {
+        let labels = self.summaries.len() - 1;
+        if are_grey(&self.summaries[1..]) { Err(VolumeError::GreyValues { labels }) } else { Ok(()) }
+    }
+
     pub(crate) fn check_complete(&self) -> Result<(), VolumeError> {
         let expected = self.region.voxels();
         if self.voxels == expected {
@@ -247,6 +271,7 @@ impl RunEncoder {
         }
         let all = &mut self.summaries[code];
         all.voxels += part.voxels;
+        all.runs += part.runs;
         all.bounds = all.bounds.hull(&part.bounds);
         u32::try_from(code).expect("fewer than 2^32 labels")
     }
@@ -338,7 +363,7 @@ fn label_error(value: f64, index: [usize; 3]) -> VolumeError {
 
 impl LabelSummary {
     fn empty(label: i64, code: usize) -> Self {
-        Self { label, voxels: 0, bounds: IndexBox::EMPTY, code }
+        Self { label, voxels: 0, bounds: IndexBox::EMPTY, code, runs: 0 }
     }
 
     /// The label, its code, and the box around its voxels.
@@ -348,6 +373,7 @@ impl LabelSummary {
 
     fn add_run(&mut self, run: &Run, y: usize, z: usize) {
         self.voxels += u64::from(run.end - run.start);
+        self.runs += 1;
         self.bounds = self.bounds.hull(&run.voxels(y, z));
     }
 }

@@ -86,8 +86,12 @@ impl LabelSelection {
     /// The groups to measure in an image.
     ///
     /// # Errors
-    /// [`VolumeError::NoForeground`], or [`VolumeError::NoSuchLabel`] for one that does not occur.
+    /// [`VolumeError::NoForeground`], [`VolumeError::GreyValues`] of what are no labels, unless some are named, or
+    /// [`VolumeError::NoSuchLabel`] for one that does not occur.
     pub fn resolve(&self, image: &LabelImage) -> Result<Vec<LabelGroup>, VolumeError> {
+        if *self == Self::All && image.is_grey() {
+            return Err(VolumeError::GreyValues { labels: image.summaries().len() });
+        }
         self.resolve_among(image.summaries().iter().map(|s| s.label))
     }
 

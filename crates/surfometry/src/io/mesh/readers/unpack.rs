@@ -18,7 +18,7 @@ pub(super) fn contents(path: &Path, format: &'static str) -> Result<Vec<u8>, Rea
     let most = if packed { most_unpacked(file.stored_bytes()? as usize) as u64 } else { u64::MAX };
     let refused = |reason| ReadError::Mesh { format, reason };
     let mut bytes = Vec::new();
-    file.into_reader().take(most).read_to_end(&mut bytes).map_err(|error| {
+    file.into_reader()?.take(most).read_to_end(&mut bytes).map_err(|error| {
         if packed {
             refused(format!("the compressed data are damaged ({error})"))
         } else {
