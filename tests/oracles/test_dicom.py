@@ -341,3 +341,38 @@ def test_files_that_are_damaged(tmp_path):
         done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=20)
         assert done.returncode in (0, 1), (n, done.returncode, done.stderr)
         assert "panicked" not in done.stderr
+
+
+@pytest.mark.parametrize("damage", [b"", b"\0" * 200, b"<html>", b"version https://git-lfs.github.com/spec/v1\n", None])
+def test_a_damaged_slice_at_an_end_is_no_slice_less(tmp_path, damage):
+    voxels = body()
+    folder = write_series(tmp_path / "series", voxels, name=lambda k: f"{k:03d}.dcm")
+    last = folder / "026.dcm"
+    last.write_bytes(last.read_bytes()[:300] if damage is None else damage)
+    for path in (folder, folder / "003.dcm"):
+        assert "026.dcm" in surfometry_error("measure", path)
+
+
+def test_segments_that_nothing_describes_or_that_are_there_twice(tmp_path):
+    arrays = organs()
+    path = segmentation(tmp_path / "a.dcm", list(arrays.values()), list(arrays))
+    data_set = pydicom.dcmread(path)
+    last = data_set.SegmentSequence.pop()
+    data_set.save_as(path)
+    assert f"segment {last.SegmentNumber}, which SegmentSequence (0062,0002) does not describe" in surfometry_error("measure", path)
+    last.SegmentNumber = 1
+    data_set.SegmentSequence.append(last)
+    data_set.save_as(path)
+    assert "two segments have SegmentNumber 1" in surfometry_error("measure", path)
+
+
+def test_sequences_without_end(tmp_path):
+    data_set = slice_of(body(), 3)
+    inner = pydicom.Dataset()
+    for _ in range(200):
+        outer = pydicom.Dataset()
+        outer.ReferencedSeriesSequence = pydicom.Sequence([inner])
+        inner = outer
+    data_set.ReferencedSeriesSequence = inner.ReferencedSeriesSequence
+    data_set.save_as(tmp_path / "deep.dcm", enforce_file_format=True)
+    assert "more than 64 deep" in surfometry_error("measure", tmp_path / "deep.dcm")

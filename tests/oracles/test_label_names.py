@@ -126,7 +126,7 @@ def surfometry_error(*arguments):
 
 
 def numbers(records):
-    drop = ("seconds", "read_seconds", "name", "label", "input")
+    drop = ("seconds", "read_seconds", "name", "label", "input", "input_sha256")
     return [{key: value for key, value in record.items() if key not in drop} for record in records]
 
 

@@ -35,6 +35,19 @@ def folder(tmp_path_factory):
     for name in ("scan2.mha", "big.mha", "vertebrae.nii.gz"):
         sitk.WriteImage(sitk.GetImageFromArray(labels), str(place / name))
     sitk.WriteImage(sitk.GetImageFromArray(np.where(labels == 21, 700, -1000).astype(np.int16)), str(place / "ct.nii.gz"))
+    import zarr
+
+    mask = np.zeros((83, 50, 80), np.uint8)
+    mask[20:60, 10:40, 15:65] = 1
+    mask.tofile(place / "mask.raw")
+    image = zarr.open_group(str(place / "image.zarr"), mode="w", zarr_format=2)
+    axes = [{"name": name, "type": "space", "unit": "millimeter"} for name in "zyx"]
+    datasets = [{"path": "0", "coordinateTransformations": [{"type": "scale", "scale": [2.5, 2, 1.5]}]}]
+    image.create_group("labels").attrs["labels"] = ["nuclei"]
+    nuclei = image["labels"].create_group("nuclei")
+    nuclei.create_array("0", data=mask, chunks=(32, 32, 32))
+    nuclei.attrs["multiscales"] = [{"version": "0.4", "axes": axes, "datasets": datasets}]
+    nuclei.attrs["image-label"] = {"version": "0.4"}
     surfometry("map", f"phantom:{BONE}", "-o", place / "bone.stl", "-q")
     surfometry("map", f"phantom:{BONE}", "-o", place / "phi.nii.gz", "--voxels", "phi", "-q")
     sitk.WriteImage(sitk.ReadImage(str(place / "phi.nii.gz")), str(place / "phi.nrrd"))

@@ -208,7 +208,7 @@ def test_folders_that_are_not_masks_of_one_image(tmp_path):
     error = surfometry_error("measure", folder)
     assert "other.nii.gz" in error and "another lattice" in error
     (tmp_path / "c").mkdir()
-    assert "a folder without images" in surfometry_error("measure", tmp_path / "c")
+    assert "without slices, masks or DICOM files" in surfometry_error("measure", tmp_path / "c")
     folder = folder_of_masks(tmp_path / "d", {"liver": shapes["liver"]})
     whole = (folder / "liver.nii.gz").read_bytes()
     (folder / "liver.nii.gz").write_bytes(whole[: len(whole) // 2])

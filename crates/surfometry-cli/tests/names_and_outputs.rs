@@ -239,3 +239,21 @@ fn a_full_disk_leaves_what_was_finished() {
     assert!((1..12).contains(&results), "{results} results in {} bytes", kept.len());
     assert!(!desk.path("all.json").exists());
 }
+
+/// What a folder of masks rests on is not written over; a table may lie beside, also a second time.
+#[test]
+fn files_of_folders_are_not_replaced() {
+    let desk = Desk::new();
+    for name in ["masks/a.nii", "masks/b.nii"] {
+        desk.ball(name);
+    }
+    let before = std::fs::read(desk.path("masks/b.nii")).unwrap();
+    let refused = desk.run(&["measure", "masks", "--format", "csv", "-o", "masks/b.nii"]);
+    assert_eq!(refused.status.code(), Some(2), "{}", text(&refused.stderr));
+    assert!(text(&refused.stderr).contains("would replace the input masks"), "{}", text(&refused.stderr));
+    assert_eq!(std::fs::read(desk.path("masks/b.nii")).unwrap(), before);
+    for _ in 0..2 {
+        let written = desk.run(&["measure", "masks", "-o", "masks/results.csv"]);
+        assert!(written.status.success(), "{}", text(&written.stderr));
+    }
+}

@@ -25,7 +25,7 @@ use serde::Serialize;
 use std::borrow::Cow;
 use std::io::{ErrorKind, IsTerminal, Write};
 use std::path::{Path, PathBuf};
-use surfometry::inputs::{Kind, files_of};
+use surfometry::inputs::files_of;
 use surfometry::io::{try_writing, write_whole};
 
 /// A document as JSON, indented.
@@ -64,7 +64,7 @@ pub(crate) fn check_output(file: Option<&Path>, inputs: &[String]) -> Result<()>
         [path, Path::new(&unfinished)].iter().filter_map(|path| path.canonicalize().ok()).collect();
     let is_output = |file: &PathBuf| file.canonicalize().is_ok_and(|file| outputs.contains(&file));
     let same = |input: &String| {
-        is_output(&PathBuf::from(input)) || (has_parts(input) && files_of(input).iter().any(is_output))
+        is_output(&PathBuf::from(input)) || lies_in(&outputs, input) || files_of(input).iter().any(is_output)
     };
     if let Some(input) = inputs.iter().find(|input| !outputs.is_empty() && same(input)) {
         bail!("{}: the output would replace the input {input}; choose another name", path.display());
@@ -72,11 +72,15 @@ pub(crate) fn check_output(file: Option<&Path>, inputs: &[String]) -> Result<()>
     try_writing(path).map_err(|error| anyhow!("{}: cannot be written: {error}", path.display()))
 }
 
-/// Whether an input's name says that it rests on further files: a header on its voxels, a mesh on its materials.
-fn has_parts(input: &str) -> bool {
-    let name = input.to_lowercase();
-    let headers = [".mhd", ".nhdr", ".hdr", ".hdr.gz", ".img", ".img.gz"];
-    headers.iter().any(|ending| name.ends_with(ending)) || Kind::of(input) == Kind::Mesh
+/// Whether an output is a file of an input that is a folder: a chunk of a Zarr, which may have thousands. Tables and pages may
+/// lie beside what they are of.
+fn lies_in(outputs: &[PathBuf], input: &str) -> bool {
+    let Ok(folder) = Path::new(input).canonicalize() else { return false };
+    let is_result = |path: &PathBuf| {
+        let ending = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
+        ["csv", "json", "jsonl", "html", "partial"].contains(&ending.as_str())
+    };
+    folder.is_dir() && outputs.iter().any(|path| path.starts_with(&folder) && !is_result(path))
 }
 
 /// Prints to stdout (also for `-`), or writes a file, whole or not at all.

@@ -67,6 +67,12 @@ pub struct Threshold {
 pub struct ThresholdError(String);
 
 impl Threshold {
+    /// With ends that voxels of single precision can have: the nearest ones.
+    pub(super) fn in_single_precision(self) -> Self {
+        let nearest = |end: Option<f64>| end.map(|end| f64::from(end as f32));
+        Self { low: nearest(self.low), high: nearest(self.high) }
+    }
+
     /// Whether a value lies in the range; what is not a number lies in none.
     pub fn contains(&self, value: f64) -> bool {
         !value.is_nan()

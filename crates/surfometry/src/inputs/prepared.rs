@@ -155,6 +155,10 @@ impl SlabReader for Thresholded<'_> {
     fn next_slab(&mut self) -> Result<Option<Slab>, InputError> {
         let Some(Slab { slices, samples }) = self.slabs.next_slab()? else { return Ok(None) };
         let dimensions = self.grid().dimensions();
+        if matches!(samples, Samples::F32(_)) {
+            // Of 0.1 the nearest number that voxels can have is meant.
+            self.threshold = self.threshold.in_single_precision();
+        }
         let bits = for_samples!(&samples, values => self.bits(values));
         let samples = bits.map_err(|_| VolumeError::TooLarge { dimensions })?;
         if slices.end == dimensions[2] && !self.found {

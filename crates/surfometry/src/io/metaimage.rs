@@ -207,7 +207,15 @@ fn data(path: &Path, keys: &Keys, header_end: u64, header: Packed) -> Result<Vox
     let file = keys.text("ElementDataFile").unwrap_or_default();
     let Storage { encoding, order, offset } = storage(keys)?;
     if file.eq_ignore_ascii_case("local") {
-        return header.data(header_end, encoding, order);
+        // MetaIO counts HeaderSize from the file's beginning, and -1 from its end.
+        return match offset {
+            DataOffset::FromEnd if encoding == Encoding::Raw && !header.is_packed() => {
+                Ok(VoxelData { offset, ..header.data(0, encoding, order)? })
+            }
+            DataOffset::FromEnd => Err(error("HeaderSize = -1 with compressed data is not supported")),
+            DataOffset::Stored(start) if start > 0 => header.data(start, encoding, order),
+            _ => header.data(header_end, encoding, order),
+        };
     }
     let path = beside(path, file);
     Ok(VoxelData { path, opened: OpenedFile::default(), encoding, offset, order, scaling: None })

@@ -64,6 +64,7 @@ pub use label_names::{label_names_of_text, read_label_names};
 pub use mesh::{MeshDocument, MeshFormat, is_mesh, mesh_paths, read_mesh, write_mesh};
 pub(crate) use mesh::{MeshFile, read_mesh_file};
 pub use nifti_writer::{write_labels, write_voxel_map};
+pub(crate) use packed::read_text;
 pub(crate) use raw::read_header as read_raw_header;
 pub use raw::{RawLayout, RawLayoutError};
 pub use voxel_stream::VoxelStream;

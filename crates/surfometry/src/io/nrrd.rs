@@ -28,7 +28,7 @@ pub(super) fn read_header(path: &Path) -> Result<ImageHeader, ReadError> {
     if !lines.next().is_some_and(|magic| magic.starts_with("NRRD000")) {
         return Err(error("no NRRD magic; the file is not NRRD, whatever its name"));
     }
-    let fields = Fields::read(&mut lines);
+    let fields = Fields::read(&mut lines)?;
     let sizes: Vec<usize> =
         numbers(fields.required("sizes")?).ok_or_else(|| error("`sizes` cannot be read"))?;
     if sizes.len() > MOST_AXES {
@@ -73,7 +73,7 @@ struct Fields {
 }
 
 impl Fields {
-    fn read(lines: &mut Lines) -> Self {
+    fn read(lines: &mut Lines) -> Result<Self, ReadError> {
         let (mut fields, mut pairs) = (HashMap::new(), HashMap::new());
         for line in lines {
             if line.is_empty() {
@@ -88,12 +88,18 @@ impl Fields {
             let (key, value) = (key.trim().to_lowercase(), value.trim().to_owned());
             // The header's last line: the files' names follow.
             let is_last = value.starts_with("LIST") && key.replace(' ', "") == "datafile";
-            fields.insert(key, value);
+            if let Some(earlier) =
+                fields.insert(key.clone(), value.clone()).filter(|earlier| *earlier != value)
+            {
+                return Err(error(format!(
+                    "`{key}` stands there twice, as `{earlier}` and as `{value}`; take out the one that is wrong"
+                )));
+            }
             if is_last {
                 break;
             }
         }
-        Self { fields, pairs }
+        Ok(Self { fields, pairs })
     }
 
     fn get(&self, names: &[&str]) -> Option<&str> {

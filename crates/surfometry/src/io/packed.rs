@@ -111,6 +111,14 @@ pub(crate) fn open_file(path: &Path) -> Result<(File, u64), ReadError> {
     Ok((File::open(path).map_err(failed)?, metadata.len()))
 }
 
+/// The text of a small file; `Err` inside where it is none. Pipes and devices are refused.
+pub(crate) fn read_text(path: &Path) -> Result<Result<String, std::string::FromUtf8Error>, ReadError> {
+    let (mut file, _) = open_file(path)?;
+    let mut bytes = Vec::new();
+    file.read_to_end(&mut bytes).map_err(|e| ReadError::io(path, e))?;
+    Ok(String::from_utf8(bytes))
+}
+
 /// Reads the start of a file, unpacked, at most `limit` bytes.
 pub(crate) fn read_start(path: &Path, limit: u64) -> Result<Vec<u8>, ReadError> {
     Ok(Packed::open(path)?.start(limit)?.0)

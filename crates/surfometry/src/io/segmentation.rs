@@ -24,6 +24,7 @@ pub(super) fn of_segments(
     pairs: &HashMap<String, String>,
 ) -> Result<ImageHeader, ReadError> {
     let segments = segments(pairs, layers);
+    check_apart(&segments)?;
     let numbers = numbers_of(&segments);
     let labels: LabelTable = numbers
         .iter()
@@ -84,6 +85,27 @@ fn segments(pairs: &HashMap<String, String>, layers: usize) -> Vec<Segment> {
         Segment { layer, value: number("LabelValue").unwrap_or(default), entry }
     };
     fields.values().enumerate().map(segment).collect()
+}
+
+/// Refuses two segments of one label in one layer, which no voxel tells apart.
+fn check_apart(segments: &[Segment]) -> Result<(), ReadError> {
+    let name = |segment: &Segment| segment.entry.name.clone().unwrap_or_else(|| "without a name".to_owned());
+    for (number, one) in segments.iter().enumerate() {
+        let same = |other: &&Segment| (other.layer, other.value) == (one.layer, one.value);
+        if let Some(other) = segments[number + 1..].iter().find(same) {
+            return Err(ReadError::Header {
+                format: "NRRD",
+                reason: format!(
+                    "segments `{}` and `{}` have the same LabelValue {} in layer {}; export the segmentation again",
+                    name(one),
+                    name(other),
+                    one.value,
+                    one.layer
+                ),
+            });
+        }
+    }
+    Ok(())
 }
 
 /// What a segment is called by: its own label, or, where layers use the same labels, its place in the list, from 1 on.

@@ -1,11 +1,12 @@
 //! A result measured again, and compared with what it was.
 
 use super::{Failure, MadeBy, Plan, Record, SCHEMA, Settings, Sink, flatten};
+use crate::io::{ReadError, read_text};
 use serde::Deserialize;
 use serde_json::Value;
 use std::collections::BTreeMap;
+use std::io;
 use std::path::{Path, PathBuf};
-use std::{fs, io};
 use thiserror::Error;
 
 /// What differs from run to run and says nothing of an object.
@@ -16,13 +17,8 @@ const TIMES: [&str; 2] = ["read_seconds", "seconds"];
 #[non_exhaustive]
 pub enum RerunError {
     /// It cannot be read.
-    #[error("{path}: {source}", path = path.display())]
-    Io {
-        /// The file.
-        path: PathBuf,
-        /// Why.
-        source: io::Error,
-    },
+    #[error(transparent)]
+    Read(#[from] ReadError),
     /// It is something else.
     #[error("{path}: no document of `measure --format json` that names its settings ({reason}): name a file that `measure -o FILE.json` wrote", path = path.display())]
     NotOne {
@@ -51,9 +47,8 @@ impl WrittenRun {
     /// # Errors
     /// [`RerunError`].
     pub fn read(path: &Path) -> Result<Self, RerunError> {
-        let text =
-            fs::read_to_string(path).map_err(|source| RerunError::Io { path: path.to_owned(), source })?;
         let not_one = |reason: String| RerunError::NotOne { path: path.to_owned(), reason };
+        let text = read_text(path)?.map_err(|_| not_one("it is no text".to_owned()))?;
         let run: Self = serde_json::from_str(&text).map_err(|error| not_one(error.to_string()))?;
         if run.schema != SCHEMA {
             return Err(not_one(format!("its schema is {}, not {SCHEMA}", run.schema)));

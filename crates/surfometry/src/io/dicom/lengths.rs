@@ -13,6 +13,10 @@ use std::path::Path;
 /// Where the elements begin: behind preamble and mark.
 const START: u64 = 132;
 const PIXEL_DATA: Tag = Tag(0x7FE0, 0x0010);
+const ITEM_END: Tag = Tag(0xFFFE, 0xE00D);
+const SEQUENCE_END: Tag = Tag(0xFFFE, 0xE0DD);
+/// Sequences and items within each other that are walked through; readers call themselves for each.
+const DEEPEST: usize = 64;
 /// The length of what goes on until it says that it ends.
 const UNDEFINED: u32 = u32::MAX;
 /// Representations whose length takes four bytes, behind two that are reserved.
@@ -27,7 +31,7 @@ const DEFLATED: &str = "1.2.840.10008.1.2.1.99";
 pub(super) fn check(path: &Path) -> Result<(), ReadError> {
     let failed = |e| ReadError::io(path, e);
     let (file, bytes) = open_file(path)?;
-    let mut walk = Walk { file: BufReader::new(file), at: 0, bytes, syntax: String::new() };
+    let mut walk = Walk { file: BufReader::new(file), at: 0, bytes, syntax: String::new(), open: Vec::new() };
     walk.skip(START).map_err(failed)?;
     walk.all_elements().map_err(failed)?
 }
@@ -37,6 +41,8 @@ struct Walk {
     at: u64,
     bytes: u64,
     syntax: String,
+    /// Where the sequences and items end that are being walked through.
+    open: Vec<u64>,
 }
 
 impl Walk {
@@ -54,6 +60,11 @@ impl Walk {
             let (length, is_sequence) = self.length(tag)?;
             // Compressed pixels are items that hold no elements.
             in_fragments |= tag == PIXEL_DATA && length == UNDEFINED;
+            if self.depth(tag, length, is_sequence) > DEEPEST {
+                return Ok(Err(error(format!(
+                    "sequences within sequences, more than {DEEPEST} deep: the file is damaged; export it again"
+                ))));
+            }
             if length == UNDEFINED || is_sequence && !in_fragments {
                 continue;
             }
@@ -73,6 +84,21 @@ impl Walk {
             }
         }
         Ok(Ok(()))
+    }
+
+    /// How many sequences and items lie around what follows an element's head.
+    fn depth(&mut self, tag: Tag, length: u32, is_sequence: bool) -> usize {
+        while self.open.last().is_some_and(|end| *end <= self.at) {
+            self.open.pop();
+        }
+        if tag == ITEM_END || tag == SEQUENCE_END {
+            self.open.pop();
+        } else if length == UNDEFINED {
+            self.open.push(u64::MAX);
+        } else if is_sequence && length > 0 {
+            self.open.push(self.at + u64::from(length));
+        }
+        self.open.len()
     }
 
     /// How long an element is, and whether others are in it.

@@ -42,7 +42,7 @@ pub(super) fn read_header(path: &Path) -> Result<ImageHeader, ReadError> {
     }
     let planes = groups.iter().map(FrameGroups::plane).collect::<Result<Vec<_>, _>>()?;
     let stack = Stack::of(&planes, Gaps::Empty(stated_step(&groups[0])), |n| format!("frame {}", n + 1))?;
-    let frames = frames(&groups, &stack, kind)?;
+    let frames = frames(&groups, &stack, kind, &labels)?;
     if kind == Kind::Fractional && labels.iter().count() > 1 {
         return Err(error(
             "several segments of fractions, which are no label image; export each as a file of its own",
@@ -102,9 +102,18 @@ fn segments(data_set: &DataSet) -> Result<LabelTable, ReadError> {
         let number = number
             .ok_or_else(|| error("a segment without SegmentNumber (0062,0004); export the file again"))?;
         let colour = item.whole_numbers::<3>(tags::RECOMMENDED_DISPLAY_CIE_LAB_VALUE).map(of_cielab);
-        Ok((number, LabelEntry { name: item.text(tags::SEGMENT_LABEL), colour }))
+        Ok::<_, ReadError>((number, LabelEntry { name: item.text(tags::SEGMENT_LABEL), colour }))
     };
-    data_set.items(tags::SEGMENT_SEQUENCE).iter().map(segment).collect()
+    let all = data_set.items(tags::SEGMENT_SEQUENCE).iter().map(segment).collect::<Result<Vec<_>, _>>()?;
+    let mut numbers: Vec<i64> = all.iter().map(|(number, _)| *number).collect();
+    numbers.sort_unstable();
+    match numbers.windows(2).find(|pair| pair[0] == pair[1]) {
+        Some(twice) => Err(error(format!(
+            "two segments have SegmentNumber {} (0062,0004); export the file again",
+            twice[0]
+        ))),
+        None => Ok(all.into_iter().collect()),
+    }
 }
 
 /// The distance of slices that the header states.
@@ -132,7 +141,12 @@ fn most(data_set: &DataSet) -> Result<f64, ReadError> {
 type Place = (usize, usize, i32);
 
 /// The frames in order of slice.
-fn frames(groups: &[FrameGroups], stack: &Stack, kind: Kind) -> Result<Vec<Place>, ReadError> {
+fn frames(
+    groups: &[FrameGroups],
+    stack: &Stack,
+    kind: Kind,
+    labels: &LabelTable,
+) -> Result<Vec<Place>, ReadError> {
     let segment = |group: &FrameGroups| {
         let number = group.holder(tags::SEGMENT_IDENTIFICATION_SEQUENCE, tags::REFERENCED_SEGMENT_NUMBER);
         let number = number.and_then(|holder| holder.whole_number(tags::REFERENCED_SEGMENT_NUMBER));
@@ -141,6 +155,12 @@ fn frames(groups: &[FrameGroups], stack: &Stack, kind: Kind) -> Result<Vec<Place
     };
     let place = |(number, group): (usize, &FrameGroups)| {
         let segment = if kind == Kind::LabelMap { 0 } else { segment(group)? };
+        if kind != Kind::LabelMap && labels.get(segment.into()).is_none() {
+            return Err(error(format!(
+                "frame {} is of segment {segment}, which SegmentSequence (0062,0002) does not describe; export the file again",
+                number + 1
+            )));
+        }
         Ok((stack.slice_of[number], segment, number))
     };
     let mut places = groups.iter().enumerate().map(place).collect::<Result<Vec<_>, ReadError>>()?;

@@ -25,6 +25,9 @@ struct Member {
     frames: Vec<(Plane, Scaling)>,
 }
 
+/// How names of slices end, where they have an ending.
+const ENDINGS: [&str; 3] = [".dcm", ".dicom", ".ima"];
+
 /// value = slope * stored + intercept.
 type Scaling = (f64, f64);
 
@@ -73,11 +76,14 @@ pub(super) fn of_folder(folder: &Path) -> Result<ImageHeader, ReadError> {
 pub(super) fn of_file(path: &Path, data_set: &DataSet) -> Result<ImageHeader, ReadError> {
     let own = member(path, data_set)?;
     let same = |other: &PathBuf| {
-        DataSet::header(other).ok().and_then(|data_set| {
-            let belongs = !own.series.is_empty()
-                && data_set.text(tags::SERIES_INSTANCE_UID).as_ref() == Some(&own.series);
-            belongs.then(|| member(other, &data_set).map_err(|error| in_file(other, error)))
-        })
+        // One that cannot be read may be a slice of it.
+        let data_set = match DataSet::header(other) {
+            Ok(data_set) => data_set,
+            Err(error) => return Some(Err(in_file(other, error))),
+        };
+        let belongs =
+            !own.series.is_empty() && data_set.text(tags::SERIES_INSTANCE_UID).as_ref() == Some(&own.series);
+        belongs.then(|| member(other, &data_set).map_err(|error| in_file(other, error)))
     };
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let others = files(folder)?.into_iter().filter(|other| other.file_name() != path.file_name());
@@ -91,13 +97,20 @@ pub(in crate::io) fn files(folder: &Path) -> Result<Vec<PathBuf>, ReadError> {
     let entries = std::fs::read_dir(folder).map_err(|e| ReadError::io(folder, e))?;
     let paths = entries.map(|entry| entry.map(|entry| entry.path())).collect::<Result<Vec<_>, _>>();
     let mut files = paths.map_err(|e| ReadError::io(folder, e))?;
-    let is_wanted = |path: &PathBuf| {
-        let name = path.file_name().unwrap_or_default().to_string_lossy().to_lowercase();
-        !name.starts_with('.') && name != "dicomdir" && is_dicom(path)
+    let name = |path: &PathBuf| path.file_name().unwrap_or_default().to_string_lossy().to_lowercase();
+    files.retain(|path| !name(path).starts_with('.') && name(path) != "dicomdir");
+    let (mut found, others): (Vec<_>, Vec<_>) = files.into_iter().partition(|path| is_dicom(path));
+    // What is called a slice, or is nothing at all, may have been one.
+    let damaged = |path: &&PathBuf| {
+        let is_empty = path.metadata().is_ok_and(|metadata| metadata.is_file() && metadata.len() == 0);
+        ENDINGS.iter().any(|ending| name(path).ends_with(ending)) || is_empty
     };
-    files.retain(is_wanted);
-    files.sort();
-    Ok(files)
+    if let Some(path) = others.iter().find(damaged).filter(|_| !found.is_empty()) {
+        let what = "no DICOM, though it lies among DICOM files and may have been a slice: fetch it again, or take it out of the folder";
+        return Err(in_file(path, error(what)));
+    }
+    found.sort();
+    Ok(found)
 }
 
 fn in_file(path: &Path, source: ReadError) -> ReadError {

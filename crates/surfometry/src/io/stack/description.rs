@@ -2,9 +2,10 @@
 
 use super::page::error;
 use crate::io::ReadError;
+use crate::io::packed::read_text;
 use crate::io::text_header::mm_per;
 use roxmltree::{Document, Node};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Dimensions and lengths, as far as they are told.
 #[derive(Debug, Default, PartialEq)]
@@ -112,8 +113,17 @@ fn ome(text: &str) -> Result<Description, ReadError> {
     Ok(told.with_lengths(Some([x * mm[0], y * mm[1], z * mm[2]]), "mm"))
 }
 
+/// Where nnU-Net says the spacing of an image.
+pub(super) fn side_file(image: &Path) -> PathBuf {
+    image.with_extension("json")
+}
+
 fn beside(image: &Path) -> Result<Option<[f64; 3]>, ReadError> {
-    let Ok(text) = std::fs::read_to_string(image.with_extension("json")) else { return Ok(None) };
+    let path = side_file(image);
+    if !path.exists() {
+        return Ok(None);
+    }
+    let Ok(text) = read_text(&path)? else { return Ok(None) };
     let Ok(document) = serde_json::from_str::<serde_json::Value>(&text) else { return Ok(None) };
     let Some(spacing) = document.get("spacing") else { return Ok(None) };
     match serde_json::from_value::<[f64; 3]>(spacing.clone()) {

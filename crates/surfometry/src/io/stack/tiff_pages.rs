@@ -6,6 +6,7 @@
 //! growing along y, pages along z.
 
 use super::description::Description;
+use super::description::side_file;
 use super::page::{Number, Page, colours, error};
 use crate::io::assembled::{AssembleVoxels, Assembled, Pieces};
 use crate::io::header::{ByteOrder, Encoding, ImageHeader, Voxels, three_dimensions};
@@ -265,7 +266,8 @@ struct TiffVoxels {
 
 impl AssembleVoxels for TiffVoxels {
     fn files(&self) -> Vec<PathBuf> {
-        vec![self.path.clone()]
+        let side = side_file(&self.path);
+        [self.path.clone()].into_iter().chain(side.is_file().then_some(side)).collect()
     }
 
     fn open(&self, spent: &Arc<AtomicU64>) -> Result<Box<dyn Read + Send>, ReadError> {

@@ -48,7 +48,11 @@ pub(super) fn read(bytes: &[u8]) -> Outcome<Surface> {
             b"POLYGONS" => file.cells(|corners| surface.polygon(corners))?,
             b"TRIANGLE_STRIPS" => file.cells(|corners| surface.strip(corners))?,
             b"VERTICES" | b"LINES" => file.cells(|_| ())?,
-            b"FIELD" => file.field()?,
+            b"FIELD" => {
+                if let Some(letters) = file.field()? {
+                    surface.comment(&[b"SPACE=", letters.as_slice()].concat())?;
+                }
+            }
             b"METADATA" => file.skip_metadata(),
             // What follows are values of the points and cells.
             b"POINT_DATA" | b"CELL_DATA" => break,
@@ -145,31 +149,39 @@ impl<'a> Legacy<'a> {
         if rest.is_empty() { Ok(()) } else { self.words.refuse("its cells are shorter than it says") }
     }
 
-    /// Passes over arrays that belong to the whole.
-    fn field(&mut self) -> Outcome<()> {
+    /// Passes over arrays that belong to the whole; what the one says that names the axes, as 3D Slicer does.
+    fn field(&mut self) -> Outcome<Option<Vec<u8>>> {
+        let mut space = None;
         self.words.next();
         for _ in 0..self.words.how_many("arrays")? {
             if self.words.clone().next() == Some(b"METADATA") {
                 self.words.next();
                 self.skip_metadata();
             }
-            self.words.next();
+            let name = self.words.next().unwrap_or_default();
             let (components, rows) = (self.words.how_many("components")?, self.words.how_many("rows")?);
             let count = components.saturating_mul(rows);
             match self.kind()? {
-                None => self.skip_texts(count)?,
+                None => {
+                    let first = self.texts(count)?;
+                    if name == b"SPACE" {
+                        space = first;
+                    }
+                }
                 kind => drop(self.numbers(count, kind)?),
             }
         }
-        Ok(())
+        Ok(space)
     }
 
-    /// Passes over texts: lines, or each behind its length, whose first two bits say how many bytes it has.
-    fn skip_texts(&mut self, count: usize) -> Outcome<()> {
+    /// Passes over texts: lines, or each behind its length, whose first two bits say how many bytes it has. The first one.
+    fn texts(&mut self, count: usize) -> Outcome<Option<Vec<u8>>> {
+        let mut first = None;
         self.words.line();
         for _ in 0..count {
             if !self.binary {
-                self.words.line();
+                let text = self.words.line().trim_ascii().to_vec();
+                first.get_or_insert(text);
                 continue;
             }
             let width = match self.words.rest().first().map(|first| first >> 6) {
@@ -181,9 +193,10 @@ impl<'a> Legacy<'a> {
             let cut = "the file ends within a text";
             let length = self.words.bytes(width).ok_or(cut)?;
             let length = length.iter().fold(0, |all, &byte| (all << 8) | u64::from(byte));
-            self.words.bytes((length & !(3 << (8 * width - 2))) as usize).ok_or(cut)?;
+            let text = self.words.bytes((length & !(3 << (8 * width - 2))) as usize).ok_or(cut)?;
+            first.get_or_insert(text.to_vec());
         }
-        Ok(())
+        Ok(first)
     }
 
     /// Passes over names of components and the like, which an empty line ends.
