@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 use std::process::{Command, Output};
 
-const N: usize = 16;
+const N: usize = 24;
 
 fn run_in(folder: &Path, arguments: &[&str]) -> Output {
     let program = env!("CARGO_BIN_EXE_surfometry");
@@ -15,7 +15,7 @@ fn text(bytes: &[u8]) -> String {
     String::from_utf8_lossy(bytes).into_owned()
 }
 
-/// Values of a ball of radius 5 voxels in the middle, by the distance from there.
+/// Values of a ball of radius 8 voxels in the middle, by the distance from there.
 fn ball(value: impl Fn(f32) -> f32) -> Vec<u8> {
     let distance = |i: usize| {
         let index = [i % N, i / N % N, i / (N * N)].map(|v| v as f32 - (N as f32 - 1.0) / 2.0);
@@ -51,7 +51,7 @@ const CASES: [(&str, &str, &str, &[&str]); 10] = [
 fn the_option_that_an_error_names_helps() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
-    let labels = ball(|d| if d < 5.0 { 7.0 } else { 0.0 });
+    let labels = ball(|d| if d < 8.0 { 7.0 } else { 0.0 });
     nrrd(folder, "no_spacing.nrrd", "", &labels);
     nrrd(
         folder,
@@ -63,9 +63,9 @@ fn the_option_that_an_error_names_helps() {
     nrrd(folder, "tiny.nrrd", "spacings: 1 1 1e-12", &labels);
     nrrd(folder, "slabs.nrrd", "spacings: 1 1 1e6", &labels);
     nrrd(folder, "labels.nrrd", "spacings: 1 1 1", &labels);
-    nrrd(folder, "field.nrrd", "spacings: 1 1 1", &ball(|d| d - 5.0));
-    nrrd(folder, "faint.nrrd", "spacings: 1 1 1", &ball(|d| if d < 5.0 { 7e-5 } else { 0.0 }));
-    let mesh = run_in(folder, &["map", "phantom:ball?radius=5", "-o", "ball.stl"]);
+    nrrd(folder, "field.nrrd", "spacings: 1 1 1", &ball(|d| d - 8.0));
+    nrrd(folder, "faint.nrrd", "spacings: 1 1 1", &ball(|d| if d < 8.0 { 7e-5 } else { 0.0 }));
+    let mesh = run_in(folder, &["map", "phantom:ball?radius=8&spacing=0.3,0.3,0.3", "-o", "ball.stl"]);
     assert!(mesh.status.success());
     for (name, fault, option, cure) in CASES {
         let wrong: &[&str] = if name.starts_with("labels") { &["--label", "9"] } else { &[] };
@@ -78,7 +78,7 @@ fn the_option_that_an_error_names_helps() {
         let volume = text(&cured.stdout);
         let volume: serde_json::Value = serde_json::from_str(&volume).unwrap();
         let volume = volume["results"][0]["volume_mm3"].as_f64().unwrap();
-        // A ball of 5 mm: 523.6 mm3.
-        assert!((volume / 523.6 - 1.0).abs() < 0.05, "{name} {cure:?}: {volume}");
+        // A ball of 8 mm: 2144.7 mm3.
+        assert!((volume / 2144.7 - 1.0).abs() < 0.05, "{name} {cure:?}: {volume}");
     }
 }

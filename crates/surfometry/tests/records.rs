@@ -1,7 +1,7 @@
 //! Records as documents: they come back as they were, and tables have a column for everything that they hold.
 
 use surfometry::Measurement;
-use surfometry::inputs::OpenOptions;
+use surfometry::inputs::{OpenOptions, Preparation};
 use surfometry::io::write_labels;
 use surfometry::measurement::Clip;
 use surfometry::reference_methods::METHODS;
@@ -13,7 +13,9 @@ use surfometry::{Choice, Control};
 
 fn records() -> Vec<Record> {
     let measurement = Measurement::default();
-    let clipped = Plan { measurement: measurement.clip(Clip::Exclude), ..Plan::default() };
+    let preparation = Preparation { threshold: Some("1..".parse().unwrap()), ..Preparation::default() };
+    let open = OpenOptions { preparation, ..OpenOptions::default() };
+    let clipped = Plan { measurement: measurement.clip(Clip::Exclude), open, ..Plan::default() };
     // A rod that ends at the edge of its image.
     let grid = Grid::axis_aligned([40, 30, 30], [1.0; 3]).unwrap();
     let inside = |[_, y, z]: [usize; 3]| (y as f64 - 14.3).hypot(z as f64 - 14.6) < 8.0;
