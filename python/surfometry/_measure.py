@@ -249,7 +249,8 @@ def _frame(columns: dict[str, list[Any]]) -> pandas.DataFrame:
         if all(value is None or isinstance(value, (int, float)) and not isinstance(value, bool) for value in values):
             whole = values and all(isinstance(value, int) for value in values)
             frame[name] = np.array(values, dtype=np.int64 if whole else np.float64)
-    return frame
+    # The copy joins a hundred columns, which pandas keeps apart and then warns of when one is added.
+    return frame.copy()
 
 
 def sweep(

@@ -39,9 +39,9 @@ def records(*arguments):
 
 
 def numbers(record):
-    """A record without what an input is called and how long it took."""
+    """A record without what an input is called, whether it is a file, and how long it took."""
     record = record.to_dict() if isinstance(record, surfometry.Measurement) else record
-    return {key: value for key, value in record.items() if key not in ("input", "read_seconds", "seconds")}
+    return {key: value for key, value in record.items() if key not in ("input", "input_sha256", "read_seconds", "seconds")}
 
 
 def turned_field():

@@ -26,9 +26,9 @@ def test_objects_are_chosen_by_name(tmp_path, names):
         names.write_text(json.dumps({"labels": {"background": 0, "Liver": 2, "kidney, left": 5, "both": [2, 5]}}))
     by_name = surfometry.measure(image(), SPACING, label="liver", names=names)
     assert (by_name.label, by_name.name) == (2, "Liver")
-    assert numbers(by_name) == numbers(surfometry.measure(image(), SPACING, label=2))
+    assert numbers(by_name) | {"name": None} == numbers(surfometry.measure(image(), SPACING, label=2))
     both = surfometry.measure(image(), SPACING, label=(2, "'kidney, left'"), names=names)
-    assert numbers(both) == numbers(surfometry.measure(image(), SPACING, label=(2, 5)))
+    assert numbers(both) | {"name": None} == numbers(surfometry.measure(image(), SPACING, label=(2, 5)))
     table = surfometry.measure_labels(image(), SPACING, names=names, sigma={"Liver": 1.5, "all": 2}, as_frame=False)
     assert (table["name"], table["parameters_sigma_mm"]) == (["Liver", "kidney, left"], [1.5, 2.0])
 
