@@ -250,7 +250,8 @@ def _frame(columns: dict[str, list[Any]]) -> pandas.DataFrame:
             whole = values and all(isinstance(value, int) for value in values)
             frame[name] = np.array(values, dtype=np.int64 if whole else np.float64)
     # The copy joins a hundred columns, which pandas keeps apart and then warns of when one is added.
-    return frame.copy()
+    joined: pandas.DataFrame = frame.copy()
+    return joined
 
 
 def sweep(

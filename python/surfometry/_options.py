@@ -86,13 +86,15 @@ def _triple(name: str, value: object) -> str:
 def _range(name: str, value: object) -> str:
     if isinstance(value, str):
         return value
+    ends: tuple[object, ...] = ()
     try:
-        low, high = value  # type: ignore[misc]
+        ends = tuple(value)  # type: ignore[arg-type]
+        _, _ = ends
     except (TypeError, ValueError) as error:
         raise ParameterError(
             f"{name}={value!r}: give two grey values, (low, high), both inside; None is no bound", field=name
         ) from error
-    return "..".join("" if end is None else _plain(name, end) for end in (low, high))
+    return "..".join("" if end is None else _plain(name, end) for end in ends)
 
 
 def _names(name: str, value: object) -> str:
