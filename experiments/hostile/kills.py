@@ -28,7 +28,7 @@ SIGNALS = [signal.SIGKILL, signal.SIGTERM, signal.SIGINT]
 EARLIER = b"what was there before"
 
 
-def commands(folder: pathlib.Path):
+def commands():
     """Name of the case, arguments, and the outputs that it writes."""
     for ending in ("csv", "json", "jsonl"):
         yield f"measure {ending}", ["measure", *SHAPES, "-o", f"out.{ending}"], [f"out.{ending}"]
@@ -71,7 +71,7 @@ def kill_one(program: str, number: int, chance: random.Random, durations: dict[s
     faults = []
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
-        cases = list(commands(folder))
+        cases = list(commands())
         case, arguments, outputs = cases[number % len(cases)]
         run = [program, "--quiet", *arguments]
         if case not in durations:

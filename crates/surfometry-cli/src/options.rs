@@ -84,6 +84,18 @@ fn label_names(path: &str) -> Result<LabelTable, ReadError> {
     read_label_names(path)
 }
 
+/// What a file does not say of its voxels, or not right.
+#[derive(Debug, Clone, Copy, Args)]
+pub(crate) struct LatticeOptions {
+    /// Voxel spacing in mm, fastest axis first: replaces the file's, or supplies what it lacks
+    #[arg(long, value_name = "X,Y,Z", value_parser = spacing, allow_hyphen_values = true)]
+    pub(crate) spacing: Option<Spacing>,
+    /// Image files have no header: voxels along x, y, z (x is the fastest) and their type, as 80x50x83:uint16; then
+    /// :big for big-endian numbers, :N for N bytes in front
+    #[arg(long, value_name = "XxYxZ:TYPE")]
+    pub(crate) raw: Option<RawLayout>,
+}
+
 /// Which objects of an input, and how far its voxels are apart.
 #[derive(Debug, Clone, clap::Args)]
 pub(crate) struct InputSelection {
@@ -93,15 +105,10 @@ pub(crate) struct InputSelection {
     label: SelectionWords,
     #[command(flatten)]
     names: NameOptions,
-    /// Voxel spacing in mm, fastest axis first: replaces the file's, or supplies what it lacks
-    #[arg(long, value_name = "X,Y,Z", value_parser = spacing, allow_hyphen_values = true)]
-    spacing: Option<Spacing>,
+    #[command(flatten)]
+    lattice: LatticeOptions,
     #[command(flatten)]
     preparation: PreparationOptions,
-    /// Image files have no header: voxels along x, y, z (x is the fastest) and their type, as 80x50x83:uint16; then
-    /// :big for big-endian numbers, :N for N bytes in front
-    #[arg(long, value_name = "XxYxZ:TYPE")]
-    raw: Option<RawLayout>,
 }
 
 impl InputSelection {
@@ -116,7 +123,8 @@ impl InputSelection {
     fn choices(&self) -> Choices {
         let (labels, names) = (self.label.clone(), self.names.table());
         let preparation = self.preparation.chosen();
-        Choices { labels, names, spacing: self.spacing, preparation, raw: self.raw, ..Choices::default() }
+        let LatticeOptions { spacing, raw } = self.lattice;
+        Choices { labels, names, spacing, preparation, raw, ..Choices::default() }
     }
 }
 

@@ -24,7 +24,7 @@ pub(crate) fn collected<T: Task<Row: 'static> + Send + 'static>(
 ) -> PyResult<Collected<T::Row>> {
     session.run(py, &image.held()?, move |control, prepared| {
         let (name, source) = prepared.opened(&open)?;
-        let input = Opened { name: &name, part: None, source, control };
+        let input = Opened::new(&name, None, source, control);
         let mut found = Collected::default();
         task.run(&input, &mut |item| {
             // Keeping what comes cannot fail.

@@ -25,7 +25,7 @@ pub(crate) fn report(
     let plan = plan(py, &options, curvature(py, curvature_sigma)?)?;
     session.run(py, &image.held()?, move |control, prepared| {
         let (name, source) = prepared.opened(&plan.open)?;
-        let input = Opened { name: &name, part: None, source, control };
+        let input = Opened::new(&name, None, source, control);
         let title = title.unwrap_or_else(|| input_title(&name));
         let (mut objects, mut sources, mut failures) = (Vec::new(), Vec::new(), Vec::new());
         surfometry::runs::Task::run(&ReportTask::new(plan), &input, &mut |item| match item {

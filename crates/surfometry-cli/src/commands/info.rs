@@ -3,16 +3,14 @@
 use crate::console::{Voice, control};
 use crate::cures::cure;
 use crate::inputs::{expand, input_name};
-use crate::options::NameOptions;
+use crate::options::{LatticeOptions, NameOptions};
 use crate::output::{deliver, description_text, json_text, plain, status};
 use anyhow::Result;
 use serde_json::{Value, json};
 use std::io;
 use surfometry::inputs::OpenOptions;
-use surfometry::io::{ImageHeader, RawLayout, read_header};
-use surfometry::runs::words::spacing;
+use surfometry::io::{ImageHeader, read_header};
 use surfometry::runs::{Batch, Failure, InfoTask, InputDescription, Sink};
-use surfometry::volume::Spacing;
 
 /// Show what a file holds: format, grid, orientation, labels
 ///
@@ -22,15 +20,10 @@ pub(crate) struct Args {
     /// Files, patterns or phantoms
     #[arg(required = true, value_name = "INPUT", value_parser = input_name())]
     inputs: Vec<String>,
-    /// Voxel spacing in mm, fastest axis first: replaces the file's, or supplies what it lacks
-    #[arg(long, value_name = "X,Y,Z", value_parser = spacing, allow_hyphen_values = true)]
-    spacing: Option<Spacing>,
+    #[command(flatten)]
+    lattice: LatticeOptions,
     #[command(flatten)]
     names: NameOptions,
-    /// Image files have no header: voxels along x, y, z (x is the fastest) and their type, as 80x50x83:uint16; then
-    /// :big for big-endian numbers, :N for N bytes in front
-    #[arg(long, value_name = "XxYxZ:TYPE")]
-    raw: Option<RawLayout>,
     /// Print JSON
     #[arg(long)]
     json: bool,
@@ -38,7 +31,8 @@ pub(crate) struct Args {
 
 pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
     let inputs = expand(&args.inputs);
-    let (spacing, raw) = (args.spacing.map(|s| s.mm()), args.raw);
+    let LatticeOptions { spacing, raw } = args.lattice;
+    let spacing = spacing.map(|spacing| spacing.mm());
     let open = OpenOptions { spacing, raw, names: args.names.table(), ..OpenOptions::default() };
     let control = control(inputs.len(), Voice { quiet, memory: false });
     let mut documents = Documents::default();

@@ -21,7 +21,7 @@ pub use preparation::{Changes, Preparation, Preparations, PreparedObject, Thresh
 pub use prepared::prepared;
 
 use crate::accuracy::Flag;
-use crate::io::RawLayout;
+use crate::io::{Format, RawLayout};
 use crate::phantoms::{Phantom, Truth};
 use crate::volume::{Grid, LabelTable, Segments, SlabReader};
 use std::collections::BTreeMap;
@@ -143,6 +143,7 @@ pub fn files_of(name: &str) -> Vec<PathBuf> {
     let found = match Kind::of(name) {
         Kind::Phantom => Ok(Vec::new()),
         Kind::Mesh => mesh::files(Path::new(name)),
+        Kind::File if Format::stands_alone(Path::new(name)) => Ok(vec![PathBuf::from(name)]),
         Kind::File => open(name, &OpenOptions { spacing: Some([1.0; 3]), ..OpenOptions::default() })
             .map(|source| source.files()),
     };

@@ -34,13 +34,18 @@ pub(crate) fn open(
     }
     file.seek(SeekFrom::Start(start)).map_err(io_error)?;
     let stored = BufReader::with_capacity(BUFFER, Timed::new(file, spent));
-    let mut decoded: Box<dyn Read + Send> = match data.encoding {
+    let mut decoded = decoder(data.encoding, stored);
+    io::copy(&mut decoded.by_ref().take(skip), &mut io::sink())
+        .map_err(|source| ReadError::Decompression { found: 0, expected: bytes, source })?;
+    Ok(decoded)
+}
+
+/// What stored bytes are decoded to.
+pub(crate) fn decoder(encoding: Encoding, stored: BufReader<Timed>) -> Box<dyn Read + Send> {
+    match encoding {
         Encoding::Raw => Box::new(stored),
         Encoding::Gzip => Box::new(Members::<GzDecoder<_>>::new(stored)),
         Encoding::Zlib => Box::new(ZlibDecoder::new(stored)),
         Encoding::Bzip2 => Box::new(Members::<BzDecoder<_>>::new(stored)),
-    };
-    io::copy(&mut decoded.by_ref().take(skip), &mut io::sink())
-        .map_err(|source| ReadError::Decompression { found: 0, expected: bytes, source })?;
-    Ok(decoded)
+    }
 }

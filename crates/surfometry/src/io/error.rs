@@ -194,9 +194,15 @@ impl ReadError {
         Self::Io { path: path.to_owned(), source }
     }
 
-    /// Out of what a reader of assembled voxels reported, which keeps it whole.
-    pub(crate) fn of_read(source: io::Error) -> Result<Self, io::Error> {
-        source.downcast::<Self>()
+    /// Of voxels, after so many of their bytes: what a reader of assembled ones reported is kept in the error whole, any
+    /// other is of damaged data.
+    pub(crate) fn of_read(source: io::Error, found: u64, expected: u64) -> Self {
+        source.downcast().unwrap_or_else(|source| Self::Decompression { found, expected, source })
+    }
+
+    /// Of one of several files.
+    pub(crate) fn in_file(path: &std::path::Path, source: Self) -> Self {
+        Self::InLayer { path: path.to_owned(), source: Box::new(source) }
     }
 
     pub(crate) fn damaged(path: &std::path::Path, reason: &impl std::fmt::Display) -> Self {

@@ -4,7 +4,7 @@ use super::ReadError;
 use super::assembled::{AssembleVoxels, Assembled, Pieces};
 use super::encoding;
 use super::header::{ByteOrder, DataOffset, Encoding, OpenedFile, VoxelData, Voxels};
-use super::text_header::beside;
+use super::text_header::{Lines, beside};
 use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -49,10 +49,7 @@ impl FileSeries {
             let found = bytes.len() as u64 + behind;
             return Err(damaged(&format!("{found} bytes or more, where its slices take {each}")));
         }
-        if self.order == ByteOrder::Big {
-            bytes.chunks_exact_mut(self.width).for_each(<[u8]>::reverse);
-        }
-        Ok(bytes)
+        Ok(self.order.to_little(bytes, self.width))
     }
 }
 
@@ -79,8 +76,25 @@ impl AssembleVoxels for Series {
     }
 }
 
+/// Where a header names several files, their paths: a list in the lines behind, or a pattern. `None` where it names one.
+///
+/// # Errors
+/// What is wrong with the pattern.
+pub(super) fn files_named(
+    header: &Path,
+    text: &str,
+    lines: &mut Lines,
+) -> Option<Result<Vec<PathBuf>, &'static str>> {
+    if text.split_whitespace().next() == Some("LIST") {
+        let names = lines.map(|line| line.trim().to_owned()).filter(|line| !line.is_empty());
+        return Some(Ok(names.map(|name| beside(header, &name)).collect()));
+    }
+    let wrong = "is no pattern with first, last and step; name the files in a LIST";
+    text.contains('%').then(|| of_pattern(header, text).ok_or(wrong))
+}
+
 /// The files that a pattern stands for: `slice%03d.raw first last step`; `None` where it is none.
-pub(super) fn of_pattern(header: &Path, text: &str) -> Option<Vec<PathBuf>> {
+fn of_pattern(header: &Path, text: &str) -> Option<Vec<PathBuf>> {
     let mut words = text.split_whitespace();
     let pattern = words.next()?;
     let mut next = || words.next().map_or(Some(1), |word| word.parse::<i64>().ok());

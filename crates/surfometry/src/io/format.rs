@@ -48,6 +48,9 @@ const SUPPORTED: &str = "supported are NIfTI (.nii, .nii.gz, .hdr/.img), MetaIma
 /// Endings of files that are compressed as a whole.
 pub(crate) const PACKED: [&str; 2] = [".gz", ".bz2"];
 
+/// Endings of NIfTI's pairs of files.
+const PAIRED: [&str; 2] = [".hdr", ".img"];
+
 impl Format {
     /// How names of its files end.
     pub(crate) const ENDINGS: [(Self, &[&str]); 10] = [
@@ -138,6 +141,15 @@ impl Format {
         of(name).or_else(|| of(unpacked?)).map(|(format, _)| *format)
     }
 
+    /// Whether a file holds header and voxels, whatever stands in it: others may name further files.
+    pub(crate) fn stands_alone(path: &Path) -> bool {
+        match Self::of_name(path) {
+            Some(Self::Nifti) => !PAIRED.iter().any(|ending| unpacked_name(path).ends_with(ending)),
+            Some(Self::Npy | Self::Mgh | Self::Aim | Self::Isq | Self::LegacyVtk | Self::Vti) => true,
+            _ => false,
+        }
+    }
+
     /// Whether a name for people is that of the format.
     pub(super) fn is_called(self, name: &str) -> bool {
         self.name() == name
@@ -184,4 +196,10 @@ pub(crate) fn without_version(name: &str) -> &str {
         Some((stem, version)) if version.bytes().all(|b| b.is_ascii_digit()) => stem,
         _ => name,
     }
+}
+
+/// A file's name in lower case, without the ending of one that is compressed as a whole.
+fn unpacked_name(path: &Path) -> String {
+    let name = path.file_name().unwrap_or_default().to_string_lossy().to_lowercase();
+    PACKED.iter().find_map(|packed| name.strip_suffix(packed)).unwrap_or(&name).to_owned()
 }

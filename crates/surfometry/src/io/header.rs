@@ -16,6 +16,16 @@ pub(crate) enum ByteOrder {
     Big,
 }
 
+impl ByteOrder {
+    /// Numbers of so many bytes as little-endian ones.
+    pub(crate) fn to_little(self, mut bytes: Vec<u8>, width: usize) -> Vec<u8> {
+        if self == Self::Big {
+            bytes.chunks_exact_mut(width).for_each(<[u8]>::reverse);
+        }
+        bytes
+    }
+}
+
 /// How voxel data are packed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Encoding {

@@ -1,5 +1,6 @@
 //! A folder of masks, a class a file, as TotalSegmentator and others write them: one image of segments with the files' names.
 
+use super::folder::{name_of, visible};
 use super::overlay::{Layer, Layers, Overlay};
 use super::{Format, ImageHeader, ReadError, Voxels};
 use crate::inputs::known_stem;
@@ -11,8 +12,7 @@ pub(super) fn read_header(folder: &Path) -> Result<ImageHeader, ReadError> {
     let files = masks(folder)?;
     let mut headers = Vec::new();
     for file in &files {
-        let header = super::read_header(file)
-            .map_err(|source| ReadError::InLayer { path: file.clone(), source: Box::new(source) })?;
+        let header = super::read_header(file).map_err(|source| ReadError::in_file(file, source))?;
         if let Some(first) = headers.first() {
             check_same_lattice(first, &header)?;
         }
@@ -21,8 +21,7 @@ pub(super) fn read_header(folder: &Path) -> Result<ImageHeader, ReadError> {
     let Some(first) = headers.first().cloned() else {
         return Err(ReadError::UnknownFormat("the folder holds no image".to_owned()));
     };
-    let name =
-        |file: &PathBuf| known_stem(&file.file_name().unwrap_or_default().to_string_lossy()).to_owned();
+    let name = |file: &PathBuf| known_stem(&name_of(file)).to_owned();
     let labels: LabelTable = (1..).zip(files.iter().map(name)).collect();
     let layers = |(header, number)| Layers { header, layers: vec![Layer::Mask(number)] };
     let images = headers.into_iter().zip(1..).map(layers).collect();
@@ -39,20 +38,14 @@ pub(super) fn read_header(folder: &Path) -> Result<ImageHeader, ReadError> {
 
 /// Images in a folder by their names, in order; the second file of a pair counts with the first, hidden ones not.
 pub(super) fn masks(folder: &Path) -> Result<Vec<PathBuf>, ReadError> {
-    let entries = std::fs::read_dir(folder).map_err(|e| ReadError::io(folder, e))?;
-    let paths = entries.map(|entry| entry.map(|entry| entry.path())).collect::<Result<Vec<_>, _>>();
-    let mut masks = paths.map_err(|e| ReadError::io(folder, e))?;
-    let ends = |path: &Path, ending: &str| path.to_string_lossy().to_lowercase().ends_with(ending);
     let is_mask = |path: &PathBuf| {
-        let hidden = path.file_name().is_none_or(|name| name.to_string_lossy().starts_with('.'));
-        let second = ends(path, ".img") || ends(path, ".img.gz");
+        let name = name_of(path).to_lowercase();
+        let second = [".img", ".img.gz"].iter().any(|ending| name.ends_with(ending));
         // A folder of TIFF files is one of slices.
         let is_image = Format::of_name(path).is_some_and(|format| format != Format::Tiff);
-        !hidden && !second && path.is_file() && is_image
+        !second && path.is_file() && is_image
     };
-    masks.retain(is_mask);
-    masks.sort();
-    Ok(masks)
+    Ok(visible(folder)?.into_iter().filter(is_mask).collect())
 }
 
 /// Part of a voxel by which places may differ: headers have single precision.

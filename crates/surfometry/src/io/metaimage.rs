@@ -161,22 +161,8 @@ fn series(
     scalar: ScalarType,
 ) -> Result<Option<FileSeries>, ReadError> {
     let file = keys.text("ElementDataFile").unwrap_or_default();
-    let files = if file.split_whitespace().next() == Some("LIST") {
-        lines
-            .map(|line| line.trim().to_owned())
-            .filter(|line| !line.is_empty())
-            .map(|name| beside(path, &name))
-            .collect()
-    } else if file.contains('%') {
-        let wrong = || {
-            error(format!(
-                "ElementDataFile = {file} is no pattern with first, last and step; name the files in a LIST"
-            ))
-        };
-        file_series::of_pattern(path, file).ok_or_else(wrong)?
-    } else {
-        return Ok(None);
-    };
+    let Some(files) = file_series::files_named(path, file, lines) else { return Ok(None) };
+    let files = files.map_err(|wrong| error(format!("ElementDataFile = {file} {wrong}")))?;
     let Storage { encoding, order, offset } = storage(keys)?;
     Ok(Some(FileSeries { files, encoding, offset, order, width: scalar.bytes() }))
 }

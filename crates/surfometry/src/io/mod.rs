@@ -23,6 +23,7 @@ mod digest;
 mod encoding;
 mod error;
 mod file_series;
+mod folder;
 mod foreign;
 mod format;
 mod growing_file;
@@ -53,7 +54,8 @@ mod whole_file;
 #[cfg(feature = "zarr")]
 mod zarr;
 
-pub(crate) use digest::{hash_of_file, sha256_text};
+pub use digest::HashedFile;
+pub(crate) use digest::sha256_text;
 pub use error::ReadError;
 pub use format::Format;
 pub(crate) use format::{PACKED, without_version};

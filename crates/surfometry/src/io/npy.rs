@@ -5,7 +5,7 @@
 use super::header::{ByteOrder, Encoding, ImageHeader, Voxels, three_dimensions};
 use super::packed::Packed;
 use super::{Format, ReadError};
-use crate::volume::{LabelTable, ScalarType};
+use crate::volume::ScalarType;
 use npyz::{DType, Endianness, NpyHeader, Order, TypeChar};
 use std::io::Cursor;
 use std::path::Path;
@@ -31,18 +31,9 @@ pub(super) fn read_header(path: &Path) -> Result<ImageHeader, ReadError> {
     let single = shape.iter().take_while(|n| **n == 1).count();
     let shape = &shape[single.min(shape.len().saturating_sub(3))..];
     let (scalar, order) = voxel_type(&header.dtype())?;
-    Ok(ImageHeader {
-        path: path.to_owned(),
-        format: Format::Npy,
-        dimensions: three_dimensions(shape)?,
-        scalar,
-        affine: None,
-        stated_spacing: None,
-        unknown_unit: None,
-        other_spacing: None,
-        labels: LabelTable::default(),
-        data: Voxels::Stored(file.data(start.position(), Encoding::Raw, order)?),
-    })
+    let dimensions = three_dimensions(shape)?;
+    let data = Voxels::Stored(file.data(start.position(), Encoding::Raw, order)?);
+    Ok(ImageHeader::new(path, Format::Npy, dimensions, scalar, data))
 }
 
 fn voxel_type(dtype: &DType) -> Result<(ScalarType, ByteOrder), ReadError> {

@@ -290,22 +290,8 @@ fn series(
     scalar: ScalarType,
 ) -> Result<Option<FileSeries>, ReadError> {
     let Some(name) = fields.get(&["data file", "datafile"]) else { return Ok(None) };
-    let files = if name.split_whitespace().next() == Some("LIST") {
-        lines
-            .map(|line| line.trim().to_owned())
-            .filter(|line| !line.is_empty())
-            .map(|name| beside(path, &name))
-            .collect()
-    } else if name.contains('%') {
-        let wrong = || {
-            error(format!(
-                "`data file: {name}` is no pattern with first, last and step; name the files in a LIST"
-            ))
-        };
-        file_series::of_pattern(path, name).ok_or_else(wrong)?
-    } else {
-        return Ok(None);
-    };
+    let Some(files) = file_series::files_named(path, name, lines) else { return Ok(None) };
+    let files = files.map_err(|wrong| error(format!("`data file: {name}` {wrong}")))?;
     let (encoding, order) = (encoding(fields)?, byte_order(fields, scalar)?);
     let offset = detached(skip(fields)?, encoding)?;
     Ok(Some(FileSeries { files, encoding, offset, order, width: scalar.bytes() }))

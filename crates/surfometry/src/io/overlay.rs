@@ -6,7 +6,7 @@ use super::{ImageHeader, ReadError, VoxelStream};
 use crate::volume::{Grid, Samples, Segments, SlabReader};
 use rayon::prelude::*;
 use std::io::Read;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::atomic::AtomicU64;
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -122,7 +122,7 @@ impl Slices {
         for (LayerReader { path, numbers, .. }, layers) in self.readers.iter_mut().zip(layers) {
             for (numbers, layer) in numbers.iter_mut().zip(layers) {
                 let laid = combinations.lay(&mut slice, &layer, |label| numbers.of(label));
-                laid.map_err(|error| in_layer(path, error))?;
+                laid.map_err(|error| ReadError::in_file(path, error))?;
             }
         }
         Ok(slice)
@@ -153,15 +153,11 @@ impl LayerReader {
 
     /// The next slice of each layer.
     fn next(&mut self) -> Result<Vec<Samples>, ReadError> {
-        let slab = self.stream.next_slab().map_err(|error| in_layer(&self.path, error))?;
+        let slab = self.stream.next_slab().map_err(|error| ReadError::in_file(&self.path, error))?;
         let samples = slab.map_or(Samples::U8(Vec::new()), |slab| slab.samples);
         let count = self.numbers.len();
         if count == 1 { Ok(vec![samples]) } else { Ok((0..count).map(|n| samples.every(count, n)).collect()) }
     }
-}
-
-fn in_layer(path: &Path, source: ReadError) -> ReadError {
-    ReadError::InLayer { path: path.to_owned(), source: Box::new(source) }
 }
 
 impl Numbers {

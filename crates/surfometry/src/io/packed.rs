@@ -1,9 +1,9 @@
 //! Files that hold a header, compressed as a whole or not: gzip or bzip2 around any format.
 
-use super::ReadError;
 use super::header::{ByteOrder, DataOffset, Encoding, OpenedFile, VoxelData};
-use super::members::Members;
+use super::members::Member;
 use super::timed_file::Timed;
+use super::{ReadError, encoding};
 use bzip2::bufread::BzDecoder;
 use flate2::bufread::GzDecoder;
 use std::fs::File;
@@ -11,11 +11,10 @@ use std::io::{self, BufReader, Read, Seek};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-const GZIP: &[u8] = &[0x1f, 0x8b];
 /// So far the end of a compressed file is looked for behind its voxels.
 const MOST_BEHIND: u64 = 1 << 28;
-/// A stream, a digit for its blocks' size, and how the first block begins.
-const BZIP2: (&[u8], &[u8]) = (b"BZh", &[0x31, 0x41, 0x59, 0x26, 0x53, 0x59]);
+/// How the first block of a bzip2 stream begins, behind its magic and a digit for its blocks' size.
+const BZIP2_BLOCK: &[u8] = &[0x31, 0x41, 0x59, 0x26, 0x53, 0x59];
 
 /// An open file, and how it is compressed as a whole.
 #[derive(Debug)]
@@ -69,11 +68,7 @@ impl Packed {
 
     fn decoder(&self, file: File) -> Box<dyn Read + Send> {
         let stored = BufReader::new(Timed::new(file, &Arc::default()));
-        match self.encoding {
-            Encoding::Gzip => Box::new(Members::<GzDecoder<_>>::new(stored)),
-            Encoding::Bzip2 => Box::new(Members::<BzDecoder<_>>::new(stored)),
-            Encoding::Raw | Encoding::Zlib => Box::new(stored),
-        }
+        encoding::decoder(self.encoding, stored)
     }
 
     /// The voxels behind a header in the same file, from byte `at` of the unpacked file on; `inner` is how they are
@@ -90,9 +85,9 @@ impl Packed {
 }
 
 fn encoding_of(magic: &[u8]) -> Encoding {
-    if magic.starts_with(GZIP) {
+    if magic.starts_with(GzDecoder::<_>::MAGIC) {
         Encoding::Gzip
-    } else if magic.starts_with(BZIP2.0) && magic.get(4..) == Some(BZIP2.1) {
+    } else if magic.starts_with(BzDecoder::<_>::MAGIC) && magic.get(4..) == Some(BZIP2_BLOCK) {
         Encoding::Bzip2
     } else {
         Encoding::Raw
@@ -148,9 +143,7 @@ impl PackedStretch {
 
     /// The next bytes; `None` where there are fewer. Memory grows as they arrive.
     pub(crate) fn bytes(&mut self, count: usize) -> Result<Option<Vec<u8>>, ReadError> {
-        let mut bytes = Vec::new();
-        let read = self.bytes.by_ref().take(count as u64).read_to_end(&mut bytes);
-        read.map_err(|e| ReadError::damaged(&self.path, &e))?;
+        let bytes = self.some(count)?;
         Ok((bytes.len() == count).then_some(bytes))
     }
 

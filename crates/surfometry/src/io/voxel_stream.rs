@@ -92,8 +92,7 @@ impl VoxelStream {
             Err(e) if e.kind() == io::ErrorKind::UnexpectedEof => {
                 Err(ReadError::Truncated { found, expected })
             }
-            Err(source) => Err(ReadError::of_read(source)
-                .unwrap_or_else(|source| ReadError::Decompression { found, expected, source })),
+            Err(source) => Err(ReadError::of_read(source, found, expected)),
             Ok(_) if filled < bytes => Err(ReadError::Truncated { found, expected }),
             Ok(_) => Ok(()),
         }
@@ -123,8 +122,7 @@ impl VoxelStream {
                 self.surplus.store(self.header.beyond_trailer(surplus), Ordering::Relaxed);
                 Ok(())
             }
-            Err(source) => Err(ReadError::of_read(source)
-                .unwrap_or_else(|source| ReadError::Decompression { found: expected, expected, source })),
+            Err(source) => Err(ReadError::of_read(source, expected, expected)),
         }
     }
 }

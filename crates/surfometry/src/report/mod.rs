@@ -32,9 +32,10 @@ mod scene;
 mod task;
 mod template;
 
+pub use crate::io::HashedFile;
 pub use comparison_page::{ComparisonPage, comparison_chart};
 pub use figures::ObjectReport;
-pub use provenance::{HashedFile, HashedInput, Provenance};
+pub use provenance::{HashedInput, Provenance};
 pub use scene::{MOST_TRIANGLES, Scene};
 pub use task::{ReportPart, ReportTask};
 pub use template::{render, render_comparison};

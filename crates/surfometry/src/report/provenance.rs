@@ -1,9 +1,8 @@
 //! Where a report comes from.
 
-use crate::io::{ReadError, hash_of_file};
+use crate::io::{HashedFile, ReadError};
 use serde::Serialize;
-use std::io;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::SystemTime;
 
 /// How, from what and by what a report was made.
@@ -36,33 +35,14 @@ pub struct HashedInput {
     pub files: Vec<HashedFile>,
 }
 
-/// A file's fingerprint.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
-pub struct HashedFile {
-    /// Name without folders.
-    pub name: String,
-    /// SHA-256 of its bytes.
-    pub sha256: String,
-    /// Length, bytes.
-    pub bytes: u64,
-}
-
 impl HashedInput {
     /// Reads an input's files once.
     ///
     /// # Errors
     /// Whatever the file system says.
     pub fn of(input: &str, files: &[PathBuf]) -> Result<Self, ReadError> {
-        let hashed = |path: &PathBuf| HashedFile::of(path).map_err(|source| ReadError::io(path, source));
-        Ok(Self { input: input.to_owned(), files: files.iter().map(hashed).collect::<Result<_, _>>()? })
-    }
-}
-
-impl HashedFile {
-    fn of(path: &Path) -> io::Result<Self> {
-        let (sha256, bytes) = hash_of_file(path)?;
-        let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        Ok(Self { name, sha256, bytes })
+        let files = files.iter().map(|path| HashedFile::of(path)).collect::<Result<_, _>>()?;
+        Ok(Self { input: input.to_owned(), files })
     }
 }
 

@@ -39,6 +39,7 @@ impl Task for ReportTask {
     }
 
     fn run(&self, input: &Opened, out: &mut dyn FnMut(Item<ReportPart>)) -> Result<(), RunError> {
+        input.begin_hashing();
         let reading = Reading::of(input, &self.plan)?;
         for object in reading.objects() {
             let room = MOST_TRIANGLES.saturating_sub(self.shown.load(Ordering::Relaxed) as usize);
@@ -51,7 +52,11 @@ impl Task for ReportTask {
             self.shown.fetch_add(shown.unwrap_or_default(), Ordering::Relaxed);
             out(Item::Row(ReportPart::Object(Box::new(section))));
         }
-        let source = HashedInput::of(input.name, &input.source.files()).map_err(InputError::from)?;
+        let source = match input.hashed_files() {
+            Some(files) => HashedInput { input: input.name.to_owned(), files: files.to_vec() },
+            // Says which cannot be read.
+            None => HashedInput::of(input.name, &input.source.files()).map_err(InputError::from)?,
+        };
         out(Item::Row(ReportPart::Source(source)));
         Ok(())
     }

@@ -1,12 +1,15 @@
 //! Many inputs, one task.
 
+use super::fingerprint::Fingerprint;
 use super::{Failure, RunError};
 use crate::inputs::{OpenOptions, Source, distinct_parts, open};
+#[cfg(feature = "report")]
+use crate::io::HashedFile;
 use crate::{Control, Event};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::io;
-use std::sync::mpsc;
+use std::sync::{Arc, mpsc};
 use std::time::Duration;
 
 /// Inputs to which the same is done: read once each, small ones side by side, large ones one after the other,
@@ -60,6 +63,31 @@ pub struct Opened<'a> {
     pub source: Box<dyn Source + 'a>,
     /// Who hears of the run's progress and may stop it.
     pub control: &'a Control,
+    pub(super) fingerprint: Arc<Fingerprint>,
+}
+
+impl<'a> Opened<'a> {
+    /// An input under its name.
+    pub fn new(
+        name: &'a str,
+        part: Option<&'a str>,
+        source: Box<dyn Source + 'a>,
+        control: &'a Control,
+    ) -> Self {
+        let fingerprint = Arc::new(Fingerprint::of(&*source));
+        Self { name, part, source, control, fingerprint }
+    }
+
+    /// Begins to hash its files, beside what is done with it, for who will say which they were.
+    pub fn begin_hashing(&self) {
+        self.fingerprint.begin();
+    }
+
+    /// Its files as they are told apart from any others, where all can be read still.
+    #[cfg(feature = "report")]
+    pub(crate) fn hashed_files(&self) -> Option<&[HashedFile]> {
+        self.fingerprint.files()
+    }
 }
 
 /// What a task hands out.
@@ -218,7 +246,7 @@ impl Batch<'_> {
             Ok(source) => source,
             Err(error) => return failed(&error.into()),
         };
-        let input = Opened { name, part, source, control: self.control };
+        let input = Opened::new(name, part, source, self.control);
         if self.inputs.len() == 1 || !task.side_by_side() || input.source.grid().voxel_count() > SMALL {
             return Done::Large(input);
         }

@@ -1,51 +1,69 @@
 //! What tells an input's content apart from any other.
 
 use crate::inputs::Source;
-use crate::io::{hash_of_file, sha256_text};
+use crate::io::{HashedFile, sha256_text};
 use sha2::{Digest, Sha256};
-use std::io;
 use std::path::PathBuf;
-use std::sync::{Mutex, OnceLock};
+use std::sync::{Mutex, OnceLock, PoisonError};
 use std::thread::{self, JoinHandle};
 
-/// SHA-256 of an input's file, worked out beside whatever else is done with it. Of several files, that of their
-/// digests, a line each in their order; none of what lies in no file, or in one that cannot be read any more.
+/// `None` of files of which one cannot be read any more.
+type Hashed = Option<Vec<HashedFile>>;
+
+/// SHA-256 of an input's files, worked out once, beside whatever else is done with it.
 #[derive(Debug)]
-pub(super) struct Fingerprint {
-    hashing: Mutex<Option<JoinHandle<Option<String>>>>,
-    known: OnceLock<Option<String>>,
+pub(crate) struct Fingerprint {
+    files: Vec<PathBuf>,
+    hashing: Mutex<Option<JoinHandle<Hashed>>>,
+    known: OnceLock<Hashed>,
 }
 
 impl Fingerprint {
-    /// Begins.
-    pub(super) fn begin(source: &dyn Source) -> Self {
-        let files = source.files();
-        let hashing = (!files.is_empty()).then(|| thread::spawn(move || of_files(&files).ok()));
-        Self { hashing: hashing.into(), known: OnceLock::new() }
+    /// Of an input; nothing is read yet.
+    pub(super) fn of(source: &dyn Source) -> Self {
+        Self { files: source.files(), hashing: Mutex::default(), known: OnceLock::new() }
     }
 
     /// Of what lies in no file.
     pub(super) fn none() -> Self {
-        Self { hashing: None.into(), known: OnceLock::new() }
+        Self { files: Vec::new(), hashing: Mutex::default(), known: OnceLock::new() }
     }
 
-    /// In digits; waits for it.
-    pub(super) fn text(&self) -> Option<String> {
+    /// Begins, for who will ask for it.
+    pub(super) fn begin(&self) {
+        let mut hashing = self.hashing.lock().unwrap_or_else(PoisonError::into_inner);
+        if hashing.is_none() && self.known.get().is_none() && !self.files.is_empty() {
+            let files = self.files.clone();
+            *hashing = Some(thread::spawn(move || hashed(&files)));
+        }
+    }
+
+    /// The files one by one, where all can be read still; waits for them.
+    pub(super) fn files(&self) -> Option<&[HashedFile]> {
         let wait = || {
-            let hashing = self.hashing.lock().ok().and_then(|mut hashing| hashing.take());
-            hashing.and_then(|hashing| hashing.join().ok().flatten())
+            let begun = self.hashing.lock().unwrap_or_else(PoisonError::into_inner).take();
+            begun.and_then(|hashing| hashing.join().ok()).unwrap_or_else(|| hashed(&self.files))
         };
-        self.known.get_or_init(wait).clone()
+        self.known.get_or_init(wait).as_deref()
+    }
+
+    /// In digits, of several files that of their digests, a line each in their order; none of what lies in no file, or in
+    /// one that cannot be read any more.
+    pub(super) fn text(&self) -> Option<String> {
+        match self.files()? {
+            [] => None,
+            [file] => Some(file.sha256.clone()),
+            several => {
+                let mut all = Sha256::new();
+                for file in several {
+                    all.update(format!("{}\n", file.sha256));
+                }
+                Some(sha256_text(all))
+            }
+        }
     }
 }
 
-fn of_files(files: &[PathBuf]) -> io::Result<String> {
-    if let [file] = files {
-        return hash_of_file(file).map(|(digest, _)| digest);
-    }
-    let mut all = Sha256::new();
-    for file in files {
-        all.update(hash_of_file(file)?.0 + "\n");
-    }
-    Ok(sha256_text(all))
+fn hashed(files: &[PathBuf]) -> Hashed {
+    files.iter().map(|file| HashedFile::of(file).ok()).collect()
 }

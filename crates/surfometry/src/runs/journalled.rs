@@ -72,9 +72,7 @@ pub fn journal_line<T: Task<Row = Record>>(
 ) -> Result<String, RunError> {
     let entry = match open(input, options) {
         // One of several, whatever the others are.
-        Ok(source) => {
-            entry_of(task, &Opened { name: input, part: Some(input), source, control }, cure, &mut |_| {})?
-        }
+        Ok(source) => entry_of(task, &Opened::new(input, Some(input), source, control), cure, &mut |_| {})?,
         Err(error) => Entry::of_failure(Failure::of(input, &error.into(), cure)),
     };
     Ok(entry.line())

@@ -40,6 +40,7 @@ impl Task for MapTask {
     type Row = SurfaceRecord;
 
     fn run(&self, input: &Opened, out: &mut dyn FnMut(Item<SurfaceRecord>)) -> Result<(), RunError> {
+        input.begin_hashing();
         let reading = Reading::of(input, &self.plan)?;
         let files: Vec<PathBuf> =
             self.files.iter().map(|path| with_parts(path, input.part.as_slice())).collect();

@@ -2,7 +2,6 @@
 
 use super::ExplainTopology;
 use super::called::{Asked, with_name};
-use super::fingerprint::Fingerprint;
 use super::object::prepared_flags;
 use super::reading::{FileStamps, Watched, grey_values};
 use super::{Item, Opened, Plan, Reading, Record, RunError, Task};
@@ -29,6 +28,7 @@ impl Task for MeasureTask {
     type Row = Record;
 
     fn run(&self, input: &Opened, out: &mut dyn FnMut(Item<Record>)) -> Result<(), RunError> {
+        input.begin_hashing();
         // Segments that may overlap are known once all voxels are.
         if self.needs_all() || input.source.segments().is_some() {
             self.of_whole(input, out)
@@ -78,7 +78,6 @@ impl MeasureTask {
     fn of_stream(&self, input: &Opened, out: &mut dyn FnMut(Item<Record>)) -> Result<(), RunError> {
         let Opened { name, source, control, .. } = input;
         let files = FileStamps::of(&**source);
-        let fingerprint = Fingerprint::begin(&**source);
         let table = source.label_table();
         let asked = Asked::of(&self.plan, &table)?;
         let mut slabs = Watched { slabs: source.slabs()?, input: name, control };
@@ -119,7 +118,7 @@ impl MeasureTask {
                 truth,
                 preparation,
                 curvature_sigma_mm: None,
-                input_sha256: fingerprint.text(),
+                input_sha256: input.fingerprint.text(),
                 read_seconds: Some(read),
                 seconds: measured.timings.integrals,
                 measured,
@@ -179,7 +178,7 @@ impl MeasureTask {
 pub fn records_of(input: &str, plan: &Plan) -> Result<Vec<Record>, RunError> {
     plan.check()?;
     let (source, control) = (open(input, &plan.open)?, Control::default());
-    let input = Opened { name: input, part: None, source, control: &control };
+    let input = Opened::new(input, None, source, &control);
     let task = MeasureTask { plan: plan.clone(), ..MeasureTask::default() };
     let mut records = Vec::new();
     task.run(&input, &mut |item| {

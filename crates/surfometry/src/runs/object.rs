@@ -25,7 +25,7 @@ pub(super) struct InputFacts {
     pub(super) read_seconds: f64,
     pub(super) explain: ExplainTopology,
     pub(super) control: Control,
-    pub(super) fingerprint: Fingerprint,
+    pub(super) fingerprint: Arc<Fingerprint>,
 }
 
 /// One object of an input, ready to be measured, mapped and shown. It owns what it needs.
@@ -213,7 +213,7 @@ impl InputFacts {
         Self {
             input: input.name.to_owned(),
             many_labels,
-            fingerprint: Fingerprint::begin(&*input.source),
+            fingerprint: Arc::clone(&input.fingerprint),
             flags: input.source.flags(),
             preparations: input.source.preparations(),
             read_seconds,

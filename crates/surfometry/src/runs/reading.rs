@@ -109,7 +109,7 @@ impl<'a> Reading<'a> {
             read_seconds: 0.0,
             explain: plan.explain_topology,
             control: control.clone(),
-            fingerprint: Fingerprint::none(),
+            fingerprint: Arc::new(Fingerprint::none()),
         };
         let objects = groups.into_iter().map(Selected::of_labels).collect();
         let many = facts.many_labels;

@@ -35,6 +35,7 @@ impl Task for SurfaceTask {
     type Row = MappedSurface;
 
     fn run(&self, input: &Opened, out: &mut dyn FnMut(Item<MappedSurface>)) -> Result<(), RunError> {
+        input.begin_hashing();
         let reading = Reading::of(input, &self.plan)?;
         for object in reading.objects() {
             let object = object?;

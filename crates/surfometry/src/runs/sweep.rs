@@ -120,6 +120,7 @@ impl Task for SweepTask {
     type Row = Record;
 
     fn run(&self, input: &Opened, out: &mut dyn FnMut(Item<Record>)) -> Result<(), RunError> {
+        input.begin_hashing();
         let reading = Reading::of(input, &self.plan)?;
         let mut records = Vec::new();
         for &value in &self.values {

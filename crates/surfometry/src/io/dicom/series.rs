@@ -6,6 +6,7 @@ use super::lattice::{Gaps, Stack};
 use super::pixels::PixelLayout;
 use super::{error, segmentation};
 use crate::io::assembled::{AssembleVoxels, Assembled, Pieces};
+use crate::io::folder::{name_of, visible};
 use crate::io::header::{Voxels, three_dimensions};
 use crate::io::{Format, ImageHeader, ReadError};
 use crate::volume::{LabelTable, ScalarType};
@@ -35,11 +36,11 @@ type Scaling = (f64, f64);
 pub(super) fn of_folder(folder: &Path) -> Result<ImageHeader, ReadError> {
     let (mut members, mut segmentations) = (Vec::new(), Vec::new());
     for path in files(folder)? {
-        let data_set = DataSet::header(&path).map_err(|error| in_file(&path, error))?;
+        let data_set = DataSet::header(&path).map_err(|error| ReadError::in_file(&path, error))?;
         if data_set.is_segmentation() {
             segmentations.push(path);
         } else {
-            members.push(member(&path, &data_set).map_err(|error| in_file(&path, error))?);
+            members.push(member(&path, &data_set).map_err(|error| ReadError::in_file(&path, error))?);
         }
     }
     match &segmentations[..] {
@@ -49,7 +50,7 @@ pub(super) fn of_folder(folder: &Path) -> Result<ImageHeader, ReadError> {
             return Err(error(format!(
                 "the folder holds {} segmentations, as {}, and {} files of images: name the file that is meant",
                 segmentations.len(),
-                shown(first),
+                name_of(first),
                 members.len()
             )));
         }
@@ -60,7 +61,7 @@ pub(super) fn of_folder(folder: &Path) -> Result<ImageHeader, ReadError> {
     }
     if series.len() > 1 {
         let name = |(_, members): (_, &Vec<&Member>)| {
-            format!("{} ({} files, as {})", members[0].description, members.len(), shown(&members[0].path))
+            format!("{} ({} files, as {})", members[0].description, members.len(), name_of(&members[0].path))
         };
         let names: Vec<String> = series.iter().take(10).map(name).collect();
         return Err(error(format!(
@@ -79,11 +80,11 @@ pub(super) fn of_file(path: &Path, data_set: &DataSet) -> Result<ImageHeader, Re
         // One that cannot be read may be a slice of it.
         let data_set = match DataSet::header(other) {
             Ok(data_set) => data_set,
-            Err(error) => return Some(Err(in_file(other, error))),
+            Err(error) => return Some(Err(ReadError::in_file(other, error))),
         };
         let belongs =
             !own.series.is_empty() && data_set.text(tags::SERIES_INSTANCE_UID).as_ref() == Some(&own.series);
-        belongs.then(|| member(other, &data_set).map_err(|error| in_file(other, error)))
+        belongs.then(|| member(other, &data_set).map_err(|error| ReadError::in_file(other, error)))
     };
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let others = files(folder)?.into_iter().filter(|other| other.file_name() != path.file_name());
@@ -94,12 +95,9 @@ pub(super) fn of_file(path: &Path, data_set: &DataSet) -> Result<ImageHeader, Re
 
 /// DICOM files of a folder in order of their names, folders' directories and hidden files left out.
 pub(in crate::io) fn files(folder: &Path) -> Result<Vec<PathBuf>, ReadError> {
-    let entries = std::fs::read_dir(folder).map_err(|e| ReadError::io(folder, e))?;
-    let paths = entries.map(|entry| entry.map(|entry| entry.path())).collect::<Result<Vec<_>, _>>();
-    let mut files = paths.map_err(|e| ReadError::io(folder, e))?;
-    let name = |path: &PathBuf| path.file_name().unwrap_or_default().to_string_lossy().to_lowercase();
-    files.retain(|path| !name(path).starts_with('.') && name(path) != "dicomdir");
-    let (mut found, others): (Vec<_>, Vec<_>) = files.into_iter().partition(|path| is_dicom(path));
+    let name = |path: &PathBuf| name_of(path).to_lowercase();
+    let files = visible(folder)?.into_iter().filter(|path| name(path) != "dicomdir");
+    let (found, others): (Vec<_>, Vec<_>) = files.partition(|path| is_dicom(path));
     // What is called a slice, or is nothing at all, may have been one.
     let damaged = |path: &&PathBuf| {
         let is_empty = path.metadata().is_ok_and(|metadata| metadata.is_file() && metadata.len() == 0);
@@ -107,14 +105,9 @@ pub(in crate::io) fn files(folder: &Path) -> Result<Vec<PathBuf>, ReadError> {
     };
     if let Some(path) = others.iter().find(damaged).filter(|_| !found.is_empty()) {
         let what = "no DICOM, though it lies among DICOM files and may have been a slice: fetch it again, or take it out of the folder";
-        return Err(in_file(path, error(what)));
+        return Err(ReadError::in_file(path, error(what)));
     }
-    found.sort();
     Ok(found)
-}
-
-fn in_file(path: &Path, source: ReadError) -> ReadError {
-    ReadError::InLayer { path: path.to_owned(), source: Box::new(source) }
 }
 
 fn member(path: &Path, data_set: &DataSet) -> Result<Member, ReadError> {
@@ -151,8 +144,8 @@ fn header(path: &Path, members: &[Member]) -> Result<ImageHeader, ReadError> {
     if let Some(other) = members.iter().find(|member| !member.layout.is_like(&layout)) {
         return Err(error(format!(
             "{} and {} have other sizes or types of pixels: mixed series; name a file of the one that is meant, or take the others out",
-            shown(&first.path),
-            shown(&other.path)
+            name_of(&first.path),
+            name_of(&other.path)
         )));
     }
     let all: Vec<Frame> = members
@@ -170,7 +163,7 @@ fn header(path: &Path, members: &[Member]) -> Result<ImageHeader, ReadError> {
     let planes: Vec<Plane> = all.iter().map(|frame| frame.plane).collect();
     let name = |n: usize| {
         let frame = &all[n];
-        let file = shown(&members[frame.file].path);
+        let file = name_of(&members[frame.file].path);
         if members[frame.file].frames.len() > 1 {
             format!("frame {} of {file}", frame.number + 1)
         } else {
@@ -204,10 +197,6 @@ fn header(path: &Path, members: &[Member]) -> Result<ImageHeader, ReadError> {
         labels: LabelTable::default(),
         data: Voxels::Assembled(Assembled(Arc::new(voxels))),
     })
-}
-
-fn shown(path: &Path) -> String {
-    path.file_name().unwrap_or_default().to_string_lossy().into_owned()
 }
 
 /// A frame of a file.
@@ -250,10 +239,11 @@ impl AssembleVoxels for Series {
             let path = &paths[frame.file];
             if last.as_ref().is_none_or(|(file, _)| *file != frame.file) {
                 let pixels = DataSet::whole(path).and_then(|data_set| data_set.pixels());
-                last = Some((frame.file, pixels.map_err(|error| in_file(path, error))?));
+                last = Some((frame.file, pixels.map_err(|error| ReadError::in_file(path, error))?));
             }
             let pixels = last.as_ref().map_or(&[][..], |(_, pixels)| pixels);
-            let bytes = layout.frame(pixels, frame.number).map_err(|error| in_file(path, error))?;
+            let bytes =
+                layout.frame(pixels, frame.number).map_err(|error| ReadError::in_file(path, error))?;
             Ok(Some(if scaled { scaled_bytes(&bytes, layout.scalar(), frame.scaling) } else { bytes }))
         })))
     }

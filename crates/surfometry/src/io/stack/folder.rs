@@ -3,6 +3,7 @@
 use super::page::{Page, error};
 use super::{png_page, tiff_pages};
 use crate::io::assembled::{AssembleVoxels, Assembled, Pieces};
+use crate::io::folder::{name_of, visible};
 use crate::io::header::{ImageHeader, Voxels, three_dimensions};
 use crate::io::{Format, ReadError};
 use std::io::Read;
@@ -27,16 +28,8 @@ pub(in crate::io) fn read_header(folder: &Path) -> Result<ImageHeader, ReadError
 }
 
 fn names(folder: &Path) -> Result<Vec<String>, ReadError> {
-    let entries = folder.read_dir().map_err(|e| ReadError::io(folder, e))?;
-    let name = |entry: std::io::Result<std::fs::DirEntry>| {
-        Some(entry.ok()?.file_name().to_string_lossy().into_owned())
-    };
-    let is_slice = |name: &String| {
-        let lower = name.to_lowercase();
-        // Those that begin with a dot are left behind by macOS.
-        !name.starts_with('.') && ENDINGS.iter().any(|ending| lower.ends_with(ending))
-    };
-    Ok(entries.filter_map(name).filter(is_slice).collect())
+    let is_slice = |name: &String| ENDINGS.iter().any(|ending| name.to_lowercase().ends_with(ending));
+    Ok(visible(folder)?.iter().map(|path| name_of(path)).filter(is_slice).collect())
 }
 
 /// A name's last number, and what stands before and behind it.

@@ -100,11 +100,8 @@ impl DataArray {
         }
     }
 
-    fn in_order(&self, mut voxels: Vec<u8>) -> Vec<u8> {
-        if self.order == ByteOrder::Big {
-            voxels.chunks_exact_mut(self.scalar.bytes()).for_each(<[u8]>::reverse);
-        }
-        voxels
+    fn in_order(&self, voxels: Vec<u8>) -> Vec<u8> {
+        self.order.to_little(voxels, self.scalar.bytes())
     }
 
     /// The bytes behind the encoding.

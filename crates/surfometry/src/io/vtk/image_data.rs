@@ -4,7 +4,7 @@
 //! <https://docs.vtk.org/en/latest/vtk_file_formats/vtkxml_file_format.html>.
 
 use super::data_array::{DataArray, Form, SharedArray};
-use super::lattice;
+use super::{lattice, scalar_of_xml};
 use crate::io::assembled::Assembled;
 use crate::io::header::{ByteOrder, ImageHeader, Voxels, three_dimensions};
 use crate::io::packed::Packed;
@@ -72,7 +72,8 @@ fn header(path: &Path, document: &Document, appended: Option<(u64, bool)>) -> Re
     let (array, cells) = array(piece)?;
     let (dimensions, first) = lattice(points, [0.0; 3], spacing, cells);
     let dimensions = three_dimensions(&dimensions)?;
-    let scalar = scalar(array.attribute("type").unwrap_or_default())?;
+    let kind = array.attribute("type").unwrap_or_default();
+    let scalar = scalar_of_xml(kind).ok_or_else(|| ReadError::VoxelType(format!("VTK {kind}")))?;
     let data = data_array(path, file, array, appended, scalar, dimensions)?;
     let affine = affine(image, whole, spacing, origin, first)?;
     Ok(ImageHeader {
@@ -143,22 +144,6 @@ fn array<'a>(piece: Node<'a, 'a>) -> Result<(Node<'a, 'a>, bool), ReadError> {
         return Ok((array, cells));
     }
     Err(error("no DataArray of points or cells; the file holds no voxels"))
-}
-
-fn scalar(name: &str) -> Result<ScalarType, ReadError> {
-    Ok(match name {
-        "UInt8" => ScalarType::U8,
-        "Int8" => ScalarType::I8,
-        "UInt16" => ScalarType::U16,
-        "Int16" => ScalarType::I16,
-        "UInt32" => ScalarType::U32,
-        "Int32" => ScalarType::I32,
-        "UInt64" => ScalarType::U64,
-        "Int64" => ScalarType::I64,
-        "Float32" => ScalarType::F32,
-        "Float64" => ScalarType::F64,
-        other => return Err(ReadError::VoxelType(format!("VTK {other}"))),
-    })
 }
 
 fn data_array(

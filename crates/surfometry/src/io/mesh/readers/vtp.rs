@@ -2,6 +2,7 @@
 //! as they are, or in blocks of zlib.
 
 use super::super::super::header::ByteOrder;
+use super::super::super::vtk::scalar_of_xml;
 use super::Outcome;
 use super::numbers::{number, numbers, places};
 use super::space::Space;
@@ -116,18 +117,9 @@ impl<'a> Arrays<'a> {
     }
 
     fn array(&self, array: Node<'_, '_>) -> Outcome<Vec<f64>> {
-        let scalar = match array.attribute("type") {
-            Some("Int8" | "String") => ScalarType::I8,
-            Some("UInt8") => ScalarType::U8,
-            Some("Int16") => ScalarType::I16,
-            Some("UInt16") => ScalarType::U16,
-            Some("Int32") => ScalarType::I32,
-            Some("UInt32") => ScalarType::U32,
-            Some("Int64") => ScalarType::I64,
-            Some("UInt64") => ScalarType::U64,
-            Some("Float32") => ScalarType::F32,
-            Some("Float64") => ScalarType::F64,
-            other => return Err(format!("type `{}` is not known", other.unwrap_or_default())),
+        let scalar = match array.attribute("type").unwrap_or_default() {
+            "String" => ScalarType::I8,
+            kind => scalar_of_xml(kind).ok_or_else(|| format!("type `{kind}` is not known"))?,
         };
         let bytes = match array.attribute("format") {
             None | Some("ascii") => return text_numbers(&own_text(array)),
