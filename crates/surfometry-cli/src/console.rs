@@ -29,7 +29,12 @@ pub(crate) const INTERRUPTED: u8 = 130;
 pub(crate) fn control(steps: usize, voice: Voice) -> Control {
     let bar = progress_bar(steps, voice.quiet);
     let warned: Mutex<Vec<String>> = Mutex::default();
-    let control = Control::heard_by(move |event| show(event, &bar, voice, &warned));
+    let control = Control::heard_by(move |event| {
+        show(event, &bar, voice, &warned);
+        if steps == 1 {
+            show_stage(event, &bar);
+        }
+    });
     let stopped = control.clone();
     // Where there is no handler to be had, Ctrl-C ends the program as it always does.
     let _ = ctrlc::set_handler(move || {
@@ -62,7 +67,8 @@ pub(crate) const STOPPED: &str =
 pub(crate) fn progress_bar(steps: usize, quiet: bool) -> ProgressBar {
     let shown = !quiet && std::io::stderr().is_terminal();
     let target = if shown { ProgressDrawTarget::stderr() } else { ProgressDrawTarget::hidden() };
-    let style = ProgressStyle::with_template("{bar:24} {pos}/{len} {wide_msg}").expect("a constant template");
+    let style = ProgressStyle::with_template("{bar:20} {pos}/{len} {eta:>4} left {wide_msg}");
+    let style = style.expect("a constant template");
     ProgressBar::with_draw_target(Some(steps as u64), target).with_style(style)
 }
 
@@ -96,6 +102,16 @@ fn show(event: &Event, bar: &ProgressBar, voice: Voice, warned: &Mutex<Vec<Strin
         }
         _ => {}
     }
+}
+
+/// Of one input alone the bar is that of the stage in hand, so that what is left of it can be told.
+fn show_stage(event: &Event, bar: &ProgressBar) {
+    let (Event::Slices { done, of, .. } | Event::Object { number: done, of, .. }) = *event else { return };
+    if bar.length() != Some(of as u64) || bar.position() > done as u64 {
+        bar.reset();
+        bar.set_length(of as u64);
+    }
+    bar.set_position(done as u64);
 }
 
 /// The most memory that the program held so far (Linux tells it).

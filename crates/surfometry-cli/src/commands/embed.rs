@@ -4,7 +4,7 @@ use crate::console::{Voice, control};
 use crate::cures::cure;
 use crate::inputs::{expand, input_name};
 use crate::options::MeasureOptions;
-use crate::output::{Layout, TableSink, TableStyle, check_output, digits, raised_text, status, with_scales};
+use crate::output::{Layout, TableSink, check_output, digits, raised_text, status, with_scales};
 use anyhow::{Context, Result, bail};
 use std::io::{self, IsTerminal};
 use std::path::PathBuf;
@@ -48,9 +48,8 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
     let batch = Batch { inputs: &inputs, open: plan.open.clone(), control: &control, cure };
     let task = EmbedTask { plan, file: args.output.clone(), ledger: FileLedger::new(&inputs) };
     task.check()?;
-    let style = TableStyle { of_input: Box::new(table), legend: None };
     // A terminal has shown the failures already.
-    let mut sink = TableSink::new(ResultOutput::stdout(), style, !io::stdout().is_terminal());
+    let mut sink = TableSink::new(ResultOutput::stdout(), table, !io::stdout().is_terminal());
     let outcome = batch.run(&task, &mut sink)?;
     let out = sink.finish().context("stdout cannot be written")?;
     out.end(outcome.stopped).context("stdout cannot be written")?;

@@ -5,7 +5,7 @@ use crate::cures::cure;
 use crate::inputs::{expand, input_name};
 use crate::journal_options::JournalOptions;
 use crate::options::{MeasureOptions, OutputOptions};
-use crate::output::{check_output, record_tables, say_sigmas, status, with_scales, write_results};
+use crate::output::{RecordTables, Shown, check_output, say_sigmas, status, with_scales, write_results};
 use anyhow::{Context, Result, bail};
 use std::path::PathBuf;
 use surfometry::measurement::CurvatureScale;
@@ -39,7 +39,11 @@ pub(crate) struct Args {
     /// or objects, `_NAME` and `_label-N` go before the ending
     #[arg(long, value_name = "FILE.png")]
     png: Option<PathBuf>,
-    /// Shows, in the table, what was added for the original object, term by term, and every place where the
+    /// Shows every object in full in the table: as it was segmented, its standard error, the surface that was integrated over,
+    /// and its voxels. So is one object alone; several have a line each
+    #[arg(long)]
+    details: bool,
+    /// The same, and shows what was added for the original object, term by term, and every place where the
     /// blur or the band changes the object's topology (docs/quantities.md); the places are in JSON too, and
     /// are looked for where voxels and surface agree as well
     #[arg(long)]
@@ -79,7 +83,8 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
     if let Some(journal) = journal.take_if(|_| args.journal.is_shard()) {
         return Ok(status(journal.run(&batch, task, None).context("the shard cannot be written")?));
     }
-    let status = write_results(&args.results, record_tables(args.explain), &settings, |sink| {
+    let tables = RecordTables::new(Shown { details: args.details, explain: args.explain }, &inputs);
+    let status = write_results(&args.results, tables, &settings, quiet, |sink| {
         let mut sigmas = SigmaRange::new(sink);
         let outcome = match journal {
             Some(journal) => journal.run(&batch, task, Some(&mut sigmas))?,

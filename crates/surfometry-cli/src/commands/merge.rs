@@ -2,7 +2,7 @@
 
 use crate::inputs::expand;
 use crate::options::OutputOptions;
-use crate::output::{check_output, record_tables, say_sigmas, write_results};
+use crate::output::{RecordTables, Shown, check_output, say_sigmas, write_results};
 use anyhow::Result;
 use std::path::PathBuf;
 use surfometry::runs::{Shards, SigmaRange};
@@ -25,7 +25,8 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
     check_output(args.results.path(), &paths)?;
     let shards = Shards::read(&paths.into_iter().map(PathBuf::from).collect::<Vec<_>>())?;
     let settings = shards.settings().clone();
-    write_results(&args.results, record_tables(settings.explain()), &settings, |sink| {
+    let tables = RecordTables::new(Shown { explain: settings.explain(), ..Shown::default() }, &[]);
+    write_results(&args.results, tables, &settings, quiet, |sink| {
         let mut sigmas = SigmaRange::new(sink);
         let outcome = shards.replay(&mut sigmas)?;
         if !quiet && settings.sigma_is_automatic() {

@@ -4,7 +4,7 @@ use crate::console::{Voice, control};
 use crate::cures::cure;
 use crate::inputs::{expand, input_name};
 use crate::options::{InputSelection, OutputOptions};
-use crate::output::{Layout, TableStyle, check_output, digits, raised_text, write_results};
+use crate::output::{Layout, check_output, digits, raised_text, write_results};
 use anyhow::Result;
 use surfometry::accuracy::Flag;
 use surfometry::reference_methods::{METHODS, ReferenceMethod};
@@ -41,8 +41,7 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
     let settings = Settings::of(&plan);
     let batch = Batch { inputs: &inputs, open: plan.open.clone(), control: &control, cure };
     let task = ReferenceTask { plan, methods };
-    let style = TableStyle { of_input: Box::new(table), legend: None };
-    write_results(&args.results, style, &settings, |sink| batch.run(&task, sink))
+    write_results(&args.results, table, &settings, quiet, |sink| batch.run(&task, sink))
 }
 
 const COLUMNS: [&str; 8] =

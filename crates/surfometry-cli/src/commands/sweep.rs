@@ -4,7 +4,7 @@ use crate::console::{Voice, control};
 use crate::cures::cure;
 use crate::inputs::{expand, input_name};
 use crate::options::{MeasureOptions, OutputOptions, Range};
-use crate::output::{check_output, sweep_tables, with_scales, write_results};
+use crate::output::{SweepTables, check_output, with_scales, write_results};
 use crate::picture_options::PictureOptions;
 use crate::values::one_of;
 use anyhow::{Result, bail};
@@ -86,8 +86,9 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
         ledger: FileLedger::new(&inputs),
     };
     task.check()?;
-    let status =
-        write_results(&args.results, sweep_tables(args.over), &settings, |sink| batch.run(&task, sink))?;
+    let status = write_results(&args.results, SweepTables(args.over), &settings, quiet, |sink| {
+        batch.run(&task, sink)
+    })?;
     Ok(with_scales(status, &scale_ledger, quiet))
 }
 

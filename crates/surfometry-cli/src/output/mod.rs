@@ -2,22 +2,31 @@
 
 mod comparison_text;
 mod description_text;
+mod details;
+mod layout;
+mod lines;
 mod map_sink;
+mod numbers;
 mod page_sink;
+mod raised;
+mod record_tables;
 mod results;
 mod sweep_table;
-mod table;
 mod table_sink;
 mod validation_table;
+mod width;
 
 pub(crate) use comparison_text::comparison_text;
 pub(crate) use description_text::description_text;
+pub(crate) use layout::Layout;
 pub(crate) use map_sink::MapSink;
+pub(crate) use numbers::digits;
 pub(crate) use page_sink::PageSink;
+pub(crate) use raised::{flags_text, raised_text};
+pub(crate) use record_tables::{RecordTables, Shown, record_name};
 pub(crate) use results::{say_sigmas, status, with_scales, write_results};
-pub(crate) use sweep_table::sweep_tables;
-pub(crate) use table::{Layout, digits, flags_text, raised_text, record_tables};
-pub(crate) use table_sink::{Legend, TableSink, TableStyle};
+pub(crate) use sweep_table::SweepTables;
+pub(crate) use table_sink::{Presenter, TableSink};
 pub(crate) use validation_table::{rivalry_table, validation_table};
 
 use anyhow::{Context, Result, anyhow, bail};

@@ -1,6 +1,6 @@
 //! Results of a run, to where and in which form they were asked for.
 
-use super::table_sink::{TableSink, TableStyle};
+use super::table_sink::{Presenter, TableSink};
 use crate::console::{INTERRUPTED, STOPPED};
 use crate::options::{OutputFormat, OutputOptions};
 use crate::output::say;
@@ -10,11 +10,13 @@ use std::path::Path;
 use surfometry::io::ResultOutput;
 use surfometry::runs::{DocumentForm, Outcome, Row, ScaleLedger, Settings, SigmaRange, Sink};
 
-/// Runs something that hands its results to a sink, and writes them as the options say; the exit status.
+/// Runs something that hands its results to a sink, and writes them as the options say; the exit status. Which file was written is
+/// told, unless that is not wanted.
 pub(crate) fn write_results<R: Row>(
     options: &OutputOptions,
-    style: TableStyle<R>,
+    presenter: impl Presenter<R>,
     settings: &Settings,
+    quiet: bool,
     run: impl FnOnce(&mut dyn Sink<R>) -> io::Result<Outcome>,
 ) -> Result<u8> {
     let out = match options.path() {
@@ -28,7 +30,7 @@ pub(crate) fn write_results<R: Row>(
     let list_failures = options.path().is_some() || !io::stdout().is_terminal();
     let written = match options.format() {
         OutputFormat::Table => {
-            let mut sink = TableSink::new(out, style, list_failures);
+            let mut sink = TableSink::new(out, presenter, list_failures);
             run(&mut sink).and_then(|outcome| Ok((outcome, sink.finish()?)))
         }
         OutputFormat::Json => DocumentForm::Json.write(out, settings, run),
@@ -46,8 +48,19 @@ pub(crate) fn write_results<R: Row>(
                 kept.map_or_else(String::new, |partial| format!("; what was finished is in {partial}"));
             Err(error).with_context(|| format!("{name}: cannot be written{kept}"))
         }
-        Ok(outcome) => Ok(status(outcome)),
+        Ok(outcome) => {
+            if let Some(path) = options.path().filter(|_| !quiet && !outcome.stopped) {
+                say(&format!("wrote {}: {}", path.display(), counted(outcome)));
+            }
+            Ok(status(outcome))
+        }
     }
+}
+
+fn counted(outcome: Outcome) -> String {
+    let many = |count: usize, what: &str| format!("{count} {what}{}", if count == 1 { "" } else { "s" });
+    let results = many(outcome.rows, "result");
+    if outcome.failures == 0 { results } else { format!("{results}, {}", many(outcome.failures, "failure")) }
 }
 
 /// Tells that the automatic blurs of a run's images differ, where they do.

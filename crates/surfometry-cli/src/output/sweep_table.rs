@@ -1,15 +1,22 @@
 //! Sweeps as tables for people.
 
-use super::{Layout, Legend, TableStyle, digits};
+use super::width::wrapped;
+use super::{Layout, Presenter, digits};
 use surfometry::runs::{Record, SweptParameter};
 
 const LEGEND: &str = "V mm\u{b3}, A mm\u{b2}, M = total H mm of the object as it was segmented, with standard errors; blurred: of the \
                       smoothed surface.";
 
-pub(crate) fn sweep_tables(over: SweptParameter) -> TableStyle<Record> {
-    TableStyle {
-        of_input: Box::new(move |records| table(over, records)),
-        legend: Some(Legend { text: LEGEND, wanted: |_| true }),
+/// Sweeps over one parameter.
+pub(crate) struct SweepTables(pub(crate) SweptParameter);
+
+impl Presenter<Record> for SweepTables {
+    fn of_input(&mut self, records: &[Record]) -> String {
+        table(self.0, records)
+    }
+
+    fn ending(&self) -> String {
+        format!("\n{}", wrapped(LEGEND, "", ""))
     }
 }
 

@@ -6,52 +6,46 @@ use surfometry::io::ResultOutput;
 use surfometry::runs::{Failure, Sink};
 
 /// How results become text.
-pub(crate) struct TableStyle<R> {
-    /// Of one input's results, of which there is at least one.
-    pub(crate) of_input: Box<ToText<R>>,
-    /// What stands below all tables, if any result wants it.
-    pub(crate) legend: Option<Legend<R>>,
+pub(crate) trait Presenter<R> {
+    /// One input's results, of which there is at least one.
+    fn of_input(&mut self, results: &[R]) -> String;
+
+    /// Whether there is an empty line between inputs.
+    fn is_separated(&self) -> bool {
+        true
+    }
+
+    /// What stands below all.
+    fn ending(&self) -> String {
+        String::new()
+    }
 }
 
-/// One input's results as text.
-type ToText<R> = dyn Fn(&[R]) -> String;
-
-/// A text, and which results want it.
-pub(crate) struct Legend<R> {
-    pub(crate) text: &'static str,
-    pub(crate) wanted: fn(&R) -> bool,
+impl<R, F: FnMut(&[R]) -> String> Presenter<R> for F {
+    fn of_input(&mut self, results: &[R]) -> String {
+        self(results)
+    }
 }
 
 /// Writes a table an input.
-pub(crate) struct TableSink<R> {
+pub(crate) struct TableSink<R, P> {
     out: ResultOutput,
-    style: TableStyle<R>,
+    presenter: P,
     /// Whether failures are listed: not where stderr has shown them beside.
     list_failures: bool,
     of_input: Vec<R>,
     failures: Vec<Failure>,
     tables: usize,
-    explained: bool,
 }
 
-impl<R> TableSink<R> {
-    pub(crate) fn new(out: ResultOutput, style: TableStyle<R>, list_failures: bool) -> Self {
-        Self {
-            out,
-            style,
-            list_failures,
-            of_input: Vec::new(),
-            failures: Vec::new(),
-            tables: 0,
-            explained: false,
-        }
+impl<R, P: Presenter<R>> TableSink<R, P> {
+    pub(crate) fn new(out: ResultOutput, presenter: P, list_failures: bool) -> Self {
+        Self { out, presenter, list_failures, of_input: Vec::new(), failures: Vec::new(), tables: 0 }
     }
 
     pub(crate) fn finish(mut self) -> io::Result<ResultOutput> {
         self.input_ends()?;
-        if let Some(Legend { text, .. }) = self.style.legend.as_ref().filter(|_| self.explained) {
-            self.out.write_all(format!("\n{text}\n").as_bytes())?;
-        }
+        self.out.write_all(plain(&self.presenter.ending()).as_bytes())?;
         if self.list_failures && !self.failures.is_empty() {
             let lines: Vec<String> = self.failures.iter().map(|failure| format!("  {failure}\n")).collect();
             self.out.write_all(format!("\nnot measured:\n{}", plain(&lines.concat())).as_bytes())?;
@@ -60,9 +54,8 @@ impl<R> TableSink<R> {
     }
 }
 
-impl<R> Sink<R> for TableSink<R> {
+impl<R, P: Presenter<R>> Sink<R> for TableSink<R, P> {
     fn row(&mut self, row: R) -> io::Result<()> {
-        self.explained |= self.style.legend.as_ref().is_some_and(|legend| (legend.wanted)(&row));
         self.of_input.push(row);
         Ok(())
     }
@@ -76,8 +69,8 @@ impl<R> Sink<R> for TableSink<R> {
         if self.of_input.is_empty() {
             return Ok(());
         }
-        let between = if self.tables == 0 { "" } else { "\n" };
-        let text = (self.style.of_input)(&self.of_input);
+        let text = self.presenter.of_input(&self.of_input);
+        let between = if self.tables > 0 && self.presenter.is_separated() { "\n" } else { "" };
         let text = plain(&text);
         self.of_input.clear();
         self.tables += 1;

@@ -10,6 +10,7 @@ use crate::measurement::{MeasureError, Measured, StageSeconds, StreamError};
 use crate::volume::{LabelGroup, look_grey};
 use crate::{Control, Event};
 use rayon::prelude::*;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
 /// Measures every selected object of an input; a record an object.
@@ -142,9 +143,12 @@ impl MeasureTask {
         let start = Instant::now();
         let reading = Reading::of(input, &self.plan)?;
         let read_again = start.elapsed().as_secs_f64();
+        let (of, done) = (wanted.iter().filter(|wanted| **wanted).count(), AtomicUsize::new(0));
         let numbered = results.par_iter_mut().enumerate().filter(|(number, _)| wanted[*number]);
         numbered.try_for_each(|(number, (_, measured))| {
             *measured = reading.looked_again(number, measured.clone())?;
+            let number = done.fetch_add(1, Ordering::Relaxed) + 1;
+            input.control.tell(&Event::Object { input: input.name, number, of });
             Ok::<(), RunError>(())
         })?;
         if let Some(first) = wanted.iter().position(|&wanted| wanted) {
