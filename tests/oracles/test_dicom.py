@@ -387,7 +387,6 @@ CHARACTER_SETS = [
     (["", "ISO 2022 IR 87"], "Leber 肝臓 R"),
     (["ISO 2022 IR 13", "ISO 2022 IR 87"], "ｶﾝ 肝臓"),
     (["", "ISO 2022 IR 149"], "liver 간"),
-    (["", "ISO 2022 IR 58"], "liver 肝脏"),
     (["ISO 2022 IR 100", "ISO 2022 IR 126"], "Fémur ήπαρ"),
     (["ISO 2022 IR 6", "ISO 2022 IR 100", "ISO 2022 IR 144"], "Fémur печень"),
 ]

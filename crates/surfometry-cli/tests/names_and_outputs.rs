@@ -273,7 +273,8 @@ fn at_once(desk: &Desk, line: &str) -> (Option<i32>, String) {
 #[test]
 fn pipes_and_devices() {
     let desk = Desk::new();
-    let made = Command::new("mkfifo").args([desk.path("pipe"), desk.path("pipe.jsonl")]).status().unwrap();
+    let pipes = ["pipe", "pipe.json", "pipe.jsonl"].map(|name| desk.path(name));
+    let made = Command::new("mkfifo").args(pipes).status().unwrap();
     assert!(made.success());
     std::fs::write(desk.path("t.csv"), "input,volume_mm3\na,1\nb,2\nc,3\n").unwrap();
     for (line, status, words) in [
@@ -286,7 +287,7 @@ fn pipes_and_devices() {
         ("surfometry measure phantom:ball?radius=4 --names /dev/zero", 2, "/dev/zero: a device or pipe"),
         ("surfometry measure phantom:ball?radius=4 -o pipe", 2, "pipe that nobody reads"),
         ("surfometry measure phantom:ball?radius=4 --shard 1/1 -o pipe.jsonl", 2, "a pipe or a device"),
-        ("surfometry compare t.csv t.csv -o pipe", 1, "pipe that nobody reads"),
+        ("surfometry compare t.csv t.csv -o pipe.json", 1, "pipe that nobody reads"),
     ] {
         let (found, said) = at_once(&desk, line);
         assert!(found == Some(status) && said.contains(words), "{line}: {found:?}: {said}");

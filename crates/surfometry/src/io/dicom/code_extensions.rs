@@ -36,16 +36,20 @@ const TURKISH: [(char, char); 6] = [('Ð', 'Ğ'), ('Ý', 'İ'), ('Þ', 'Ş'), ('
 /// A text that was decoded by the first of the character sets that a file declares, decoded by all of them. What cannot be
 /// decoded stays as it is.
 pub(super) fn decoded(text: &str, declared: &str) -> String {
-    let first = declared.split('\\').next().unwrap_or_default().trim().replace("ISO 2022 IR", "ISO_IR");
-    if !text.as_bytes().contains(&ESCAPE) && first != LATIN_5 {
+    let named = |set: &str| set.trim().replace("ISO 2022 IR 58", "GBK").replace("ISO 2022 IR", "ISO_IR");
+    let sets: Vec<String> = declared.split('\\').map(named).collect();
+    let first = sets.first().map_or("", String::as_str);
+    // ASCII and Kanji have no bytes beyond 127.
+    let is_whole = |set: &&str| !["", ASCII, KANJI].contains(set);
+    let mut set = sets.iter().map(String::as_str).find(is_whole).unwrap_or(ASCII);
+    if !text.as_bytes().contains(&ESCAPE) && set == first && first != LATIN_5 {
         return text.to_owned();
     }
     // The bytes that were read.
-    let Ok(bytes) = SpecificCharacterSet::from_code(&first).unwrap_or_default().encode(text) else {
+    let Ok(bytes) = SpecificCharacterSet::from_code(first).unwrap_or_default().encode(text) else {
         return text.to_owned();
     };
     let mut runs = bytes.split(|byte| *byte == ESCAPE);
-    let mut set = first.as_str();
     let mut whole = of_set(set, runs.next().unwrap_or_default());
     for run in runs {
         let known = SETS.iter().find_map(|(escape, set)| Some((escape, *set, run.strip_prefix(*escape)?)));
@@ -92,6 +96,9 @@ mod tests {
         assert_eq!(decoded(&latin(left), "\\ISO 2022 IR 149"), "洪 left 洪");
         let heart = b"c\xf6eur \x1b-F\xea\xe1\xf1\xe4\xe9\xdc";
         assert_eq!(decoded(&latin(heart), "ISO 2022 IR 100\\ISO 2022 IR 126"), "cöeur καρδιά");
+        // Chinese, and as pydicom writes it, without an escape.
+        assert_eq!(decoded(&latin(b"liver \x1b$)A\xb8\xce\xd4\xe0"), "\\ISO 2022 IR 58"), "liver 肝脏");
+        assert_eq!(decoded(&latin(b"liver \xb8\xce\xd4\xe0"), "\\ISO 2022 IR 58"), "liver 肝脏");
         assert_eq!(decoded(&latin(b"Ba\xf0\xfdrsak"), "ISO_IR 148"), "Bağırsak");
         assert_eq!(decoded("Leber", ""), "Leber");
         // An escape that no set has.

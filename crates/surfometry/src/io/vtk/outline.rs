@@ -39,6 +39,28 @@ enum Place {
     Appended { base64: bool },
 }
 
+impl Place {
+    /// How many of the next bytes lead nowhere else: most of a file's.
+    fn idle(self, bytes: &[u8]) -> usize {
+        let wanted = match self {
+            Self::Text { .. } => b'<',
+            Self::Left { .. } => b'>',
+            Self::Appended { .. } => b'_',
+            Self::Tag { .. } => return 0,
+        };
+        bytes.iter().position(|byte| *byte == wanted).unwrap_or(bytes.len())
+    }
+
+    /// Behind such bytes.
+    fn behind(self, idle: &[u8]) -> Self {
+        let Self::Left { end, mut last } = self else { return self };
+        for &byte in &idle[idle.len().saturating_sub(2)..] {
+            last = [last[1], last[2], byte];
+        }
+        Self::Left { end, last }
+    }
+}
+
 impl Outline {
     /// Reads a file, packed or not, as far as its elements go.
     ///
@@ -53,9 +75,16 @@ impl Outline {
             if bytes.is_empty() {
                 break;
             }
-            for &found in bytes {
-                place = outline.step(place, found, byte);
-                byte += 1;
+            let mut rest = bytes;
+            while let Some((&found, behind)) = rest.split_first() {
+                let idle = place.idle(rest);
+                if idle > 0 {
+                    place = place.behind(&rest[..idle]);
+                    (rest, byte) = (&rest[idle..], byte + idle as u64);
+                } else {
+                    place = outline.step(place, found, byte);
+                    (rest, byte) = (behind, byte + 1);
+                }
             }
             let read = bytes.len();
             file.consume(read);
