@@ -376,3 +376,29 @@ def test_sequences_without_end(tmp_path):
     data_set.ReferencedSeriesSequence = inner.ReferencedSeriesSequence
     data_set.save_as(tmp_path / "deep.dcm", enforce_file_format=True)
     assert "more than 64 deep" in surfometry_error("measure", tmp_path / "deep.dcm")
+
+
+CHARACTER_SETS = [
+    ("ISO_IR 100", "Fémur gauche"),
+    ("ISO_IR 148", "Karaciğer, İlik"),
+    ("ISO_IR 144", "печень"),
+    ("ISO_IR 192", "Fémur 肝"),
+    ("GB18030", "肝脏"),
+    (["", "ISO 2022 IR 87"], "Leber 肝臓 R"),
+    (["ISO 2022 IR 13", "ISO 2022 IR 87"], "ｶﾝ 肝臓"),
+    (["", "ISO 2022 IR 149"], "liver 간"),
+    (["ISO 2022 IR 100", "ISO 2022 IR 126"], "Fémur ήπαρ"),
+    (["ISO 2022 IR 6", "ISO 2022 IR 100", "ISO 2022 IR 144"], "Fémur печень"),
+]
+
+
+@pytest.mark.parametrize(("sets", "name"), CHARACTER_SETS)
+def test_names_in_any_character_set(tmp_path, sets, name):
+    """As pydicom writes them, with the escapes of ISO 2022 where there are several sets."""
+    path = segmentation(tmp_path / "seg.dcm", [organs()["Leber"]], ["Leber"])
+    data_set = pydicom.dcmread(path)
+    data_set.SpecificCharacterSet = sets
+    data_set.SegmentSequence[0].SegmentLabel = name
+    data_set.save_as(path, enforce_file_format=True)
+    assert pydicom.dcmread(path).SegmentSequence[0].SegmentLabel == name
+    assert [entry["name"] for entry in info(path)["labels"]] == [name]

@@ -1,12 +1,13 @@
 //! Options of a measurement, as typed, and what they mean.
 
+use crate::output::say;
 use crate::values::one_of;
 use anyhow::Result;
 use clap::{Args, ValueEnum};
 use std::path::{Path, PathBuf};
 use surfometry::inputs::{Preparation, Threshold};
 use surfometry::integrals::{QuadratureRule, Smearing};
-use surfometry::io::{RawLayout, ReadError, read_label_names};
+use surfometry::io::{RawLayout, ReadError, read_label_names_warning};
 use surfometry::measurement::{Clip, CurvatureScale, Derivatives, EmbeddingKind, Padding};
 use surfometry::runs::words::{curvature_scale, fraction, padding, positive, spacing};
 use surfometry::runs::{Choices, DocumentForm, Lengths, Plan, SelectionWords, SweptParameter};
@@ -81,7 +82,7 @@ impl NameOptions {
 }
 
 fn label_names(path: &str) -> Result<LabelTable, ReadError> {
-    read_label_names(path)
+    read_label_names_warning(path, say)
 }
 
 /// What a file does not say of its voxels, or not right.

@@ -257,3 +257,76 @@ fn files_of_folders_are_not_replaced() {
         assert!(written.status.success(), "{}", text(&written.stderr));
     }
 }
+
+/// What came of a command within some seconds: one that waits for who never comes is ended.
+#[cfg(target_os = "linux")]
+fn at_once(desk: &Desk, line: &str) -> (Option<i32>, String) {
+    let program = env!("CARGO_BIN_EXE_surfometry");
+    let line = line.replace("surfometry", &format!("timeout 20 {program}"));
+    let output = Command::new("bash").args(["-c", &line]).current_dir(desk.0.path()).output().unwrap();
+    (output.status.code(), format!("{}{}", text(&output.stdout), text(&output.stderr)))
+}
+
+/// A pipe that nobody is at the other end of is not waited for, and what never ends is not read on and on; pipes that a
+/// shell hands on are files.
+#[cfg(target_os = "linux")]
+#[test]
+fn pipes_and_devices() {
+    let desk = Desk::new();
+    let pipes = ["pipe", "pipe.json", "pipe.jsonl"].map(|name| desk.path(name));
+    let made = Command::new("mkfifo").args(pipes).status().unwrap();
+    assert!(made.success());
+    std::fs::write(desk.path("t.csv"), "input,volume_mm3\na,1\nb,2\nc,3\n").unwrap();
+    for (line, status, words) in [
+        ("surfometry compare pipe t.csv", 2, "pipe: cannot be read: it is a folder, a pipe or a device"),
+        ("surfometry compare t.csv /dev/zero", 2, "/dev/zero: cannot be read"),
+        ("surfometry merge pipe", 2, "pipe: cannot be read or written: it is a folder, a pipe or a device"),
+        ("surfometry merge /dev/zero", 2, "/dev/zero: cannot be read or written"),
+        ("surfometry rerun pipe", 2, "pipe: a device or pipe, not a file"),
+        ("surfometry measure phantom:ball?radius=4 --names pipe", 2, "pipe: a device or pipe, not a file"),
+        ("surfometry measure phantom:ball?radius=4 --names /dev/zero", 2, "/dev/zero: a device or pipe"),
+        ("surfometry measure phantom:ball?radius=4 -o pipe", 2, "pipe that nobody reads"),
+        ("surfometry measure phantom:ball?radius=4 --shard 1/1 -o pipe.jsonl", 2, "a pipe or a device"),
+        ("surfometry compare t.csv t.csv -o pipe.json", 1, "pipe that nobody reads"),
+    ] {
+        let (found, said) = at_once(&desk, line);
+        assert!(found == Some(status) && said.contains(words), "{line}: {found:?}: {said}");
+    }
+    for line in [
+        "surfometry compare <(cat t.csv) t.csv --column volume_mm3",
+        "surfometry compare /dev/stdin t.csv --column volume_mm3 < t.csv",
+        "cat t.csv | surfometry compare t.csv /dev/stdin --column volume_mm3",
+        "surfometry measure phantom:ball?radius=4 --format csv -o /dev/stdout | grep volume_mm3",
+        "surfometry measure phantom:ball?radius=4 --format csv -o >(cat > o.csv); sleep 0.2; grep volume_mm3 o.csv",
+        "cat pipe & sleep 0.5; surfometry measure phantom:ball?radius=4 --format csv -o pipe; wait",
+    ] {
+        let (status, said) = at_once(&desk, line);
+        assert!(status == Some(0) && said.contains("volume_mm3"), "{line}: {status:?}: {said}");
+    }
+}
+
+/// Names in another encoding than UTF-8 are read, and that they are guessed is said; of two names of a label both are.
+#[test]
+fn tables_of_names_in_latin_1_or_with_two_of_a_label() {
+    let desk = Desk::new();
+    desk.ball("a.nii");
+    std::fs::write(desk.path("names.txt"), b"1 F\xe9mur gauche\n").unwrap();
+    let output = desk.run(&["measure", "a.nii", "--names", "names.txt", "--format", "json"]);
+    assert_eq!(document(&output)["results"][0]["name"], "F\u{e9}mur gauche");
+    let said = text(&output.stderr);
+    assert!(said.contains("names.txt") && said.contains("Windows-1252"), "{said}");
+    std::fs::write(desk.path("names.txt"), "1 F\u{e9}mur\n").unwrap();
+    let output = desk.run(&["measure", "a.nii", "--names", "names.txt", "--format", "json"]);
+    assert_eq!((&document(&output)["results"][0]["name"], text(&output.stderr)), (&"F\u{e9}mur".into(), ""));
+    for (table, words) in [
+        ("1 femur\n2 tibia\n1 fibula\n", "label 1 has two names, `femur` (line 1) and `fibula` (line 3)"),
+        ("label,name\n1,femur\n1,tibia\n", "`femur` (line 2) and `tibia` (line 3)"),
+        (r#"{"1": "femur", "1": "tibia"}"#, "`femur` (key `1`) and `tibia` (key `1`)"),
+        (r#"{"labels": {"femur": 1, "tibia": 1}}"#, "`femur` (key `femur`) and `tibia` (key `tibia`)"),
+    ] {
+        std::fs::write(desk.path("names.txt"), table).unwrap();
+        let refused = desk.run(&["measure", "a.nii", "--names", "names.txt"]);
+        assert!(refused.status.code() == Some(2), "{table}");
+        assert!(text(&refused.stderr).contains(words), "{}", text(&refused.stderr));
+    }
+}

@@ -94,6 +94,16 @@ fn a_result_is_measured_again() {
     assert_eq!(again.status.code(), Some(1));
     assert!(text(&again.stdout).contains("failed: No such file"), "{}", text(&again.stdout));
 
+    // A setting that this version does not know, at any depth, would be left out in silence.
+    for (place, name) in [("/settings", "sigmma_mm"), ("/settings/preparation", "fill_holes")] {
+        let mut unknown = document(folder, "a.json");
+        unknown.pointer_mut(place).unwrap()[name] = 1.5.into();
+        fs::write(folder.join("b.json"), unknown.to_string()).unwrap();
+        let refused = run_in(folder, &["rerun", "b.json"]);
+        let (said, field) = (text(&refused.stderr), format!("`{}.{name}`", place[1..].replace('/', ".")));
+        assert!(refused.status.code() == Some(2) && said.contains(&field), "{said}");
+    }
+
     for (name, content, words) in [
         ("c.json", "{}", "missing field"),
         ("d.csv", "input,label\n", "measure -o FILE.json"),

@@ -21,6 +21,12 @@ pub(crate) fn raise(py: Python, class: &str, message: &str, attributes: &[(&str,
     made().map_or_else(|error| error, PyErr::from_value)
 }
 
+/// Says something that is no error.
+pub(crate) fn warn(py: Python, message: &str) -> PyResult<()> {
+    let class = py.import("surfometry._errors")?.getattr("SurfometryWarning")?;
+    py.import("warnings")?.call_method1("warn", (message, class)).map(drop)
+}
+
 /// Why not all that was asked of an input could be done.
 pub(crate) fn of_run(py: Python, input: Option<&Name>, error: &RunError) -> PyErr {
     let hint = hint(input, error);

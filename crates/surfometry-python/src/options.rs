@@ -1,12 +1,12 @@
 //! Options by their names, in the words of the command line.
 
-use crate::errors::{of_run, raise};
+use crate::errors::{of_run, raise, warn};
 use pyo3::prelude::*;
 use std::collections::BTreeMap;
 use std::fmt::Display;
 use std::str::FromStr;
 use surfometry::Choice;
-use surfometry::io::{label_names_of_text, read_label_names};
+use surfometry::io::{label_names_of_text, read_label_names_warning};
 use surfometry::measurement::CurvatureScale;
 use surfometry::runs::words::{curvature_scale, fraction, padding, positive, spacing};
 use surfometry::runs::{Choices, ExplainTopology, Plan};
@@ -22,7 +22,11 @@ pub(crate) fn choices(py: Python, options: &Options) -> PyResult<Choices> {
         let word = |error: &dyn Display| wrong(py, name, text, error);
         match name.as_str() {
             "label" => choices.labels = text.parse().map_err(|e| word(&e))?,
-            "names" => choices.names = label_names(text).map_err(|e| word(&e))?,
+            "names" => {
+                let (names, warning) = label_names(text).map_err(|e| word(&e))?;
+                choices.names = names;
+                warning.map_or(Ok(()), |message| warn(py, &message))?;
+            }
             "spacing" => choices.spacing = Some(spacing(text).map_err(|e| word(&e))?),
             "sigma" => choices.sigma = text.parse().map_err(|e| word(&e))?,
             "thickness" => choices.thickness = text.parse().map_err(|e| word(&e))?,
@@ -49,13 +53,14 @@ pub(crate) fn choices(py: Python, options: &Options) -> PyResult<Choices> {
     Ok(choices)
 }
 
-/// Names of labels: a mapping, as JSON, or the name of a file.
-fn label_names(text: &str) -> Result<LabelTable, String> {
+/// Names of labels: a mapping, as JSON, or the name of a file; and what is to be said of it.
+fn label_names(text: &str) -> Result<(LabelTable, Option<String>), String> {
     if text.starts_with('{') {
-        label_names_of_text(text)
-    } else {
-        read_label_names(text).map_err(|error| error.to_string())
+        return Ok((label_names_of_text(text)?, None));
     }
+    let mut warning = None;
+    let table = read_label_names_warning(text, |message| warning = Some(message.to_owned()));
+    Ok((table.map_err(|error| error.to_string())?, warning))
 }
 
 /// The plan that options stand for.

@@ -249,3 +249,27 @@ fn endless_data_are_left() {
     let error = read(folder.path(), "a.nii.gz", &[&encoder.finish().unwrap()]).unwrap_err();
     assert!(matches!(error, ReadError::Endless { expected: 48_640, .. }), "{error}");
 }
+
+/// Compressed once more, by any codec, is said, whatever the image.
+#[test]
+fn packed_twice_is_said() {
+    let folder = tempfile::tempdir().unwrap();
+    for (outer, inner, words) in [
+        (Codec::Gzip, Codec::Gzip, "gzip within gzip"),
+        (Codec::Gzip, Codec::Bzip2, "bzip2 within gzip"),
+        (Codec::Bzip2, Codec::Gzip, "gzip within bzip2"),
+    ] {
+        for name in ["a.nii.gz", "a.nii", "a.mha.gz", "a.stl.gz"] {
+            let twice = outer.encode(&inner.encode(&nifti()));
+            let path = folder.path().join(name);
+            std::fs::write(&path, twice).unwrap();
+            let error = if surfometry::io::is_mesh(&path) {
+                surfometry::io::read_mesh(&path).map(drop).unwrap_err()
+            } else {
+                read_labels(&path).map(drop).unwrap_err()
+            };
+            let said = error.to_string();
+            assert!(said.contains(words) && said.contains("unpack it once"), "{name}: {said}");
+        }
+    }
+}

@@ -238,3 +238,67 @@ fn a_file_is_named_for_what_it_is() {
     let message = refusal(&files.put("b.mha", &[b"NRRD0004\ntype: uchar\n\n"]));
     assert!(message.contains("NRRD") && message.contains("MetaImage"), "{message}");
 }
+
+/// A field that stands in a header twice says two things, and one is wrong; the same twice is one.
+#[test]
+fn fields_and_segments_that_are_there_twice() {
+    let files = Files::new();
+    let nrrd = |more: &str| {
+        let header = format!(
+            "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 4 5 6\nspacings: 0.8 1 1.5\n{more}encoding: raw\n\n"
+        );
+        files.put("a.seg.nrrd", &[header.as_bytes(), &voxels()])
+    };
+    assert_block(&read_labels(nrrd("Spacings: 0.8 1 1.5\n")).unwrap());
+    let message = refusal(&nrrd("spacings: 8 1 1.5\n"));
+    assert!(message.contains("`spacings` stands there twice, as `0.8 1 1.5` and as `8 1 1.5`"), "{message}");
+    let segment = |number: i32, name: &str, value: i32| {
+        format!(
+            "Segment{number}_Name:={name}\nSegment{number}_LabelValue:={value}\nSegment{number}_Layer:=0\n"
+        )
+    };
+    let message = refusal(&nrrd(&(segment(0, "liver", 7) + &segment(1, "spleen", 7))));
+    assert!(
+        message.contains("segments `liver` and `spleen` have the same LabelValue 7 in layer 0"),
+        "{message}"
+    );
+    assert_block(&read_labels(nrrd(&(segment(0, "liver", 7) + &segment(1, "spleen", 8)))).unwrap());
+}
+
+/// Shapes whose product no number holds, sizes that are none, and brackets without end: npy headers are Python's.
+#[test]
+fn arrays_of_absurd_shapes() {
+    let files = Files::new();
+    let read = |fields: &str| {
+        let (header, length) = (fields.as_bytes(), (fields.len() as u32).to_le_bytes());
+        let path = files.put("a.npy", &[b"\x93NUMPY\x02\0", &length, header, &voxels()]);
+        read_labels_with(path, ReadOptions { spacing: Some(SPACING) }).map_err(|error| error.to_string())
+    };
+    let shape = |shape: &str| format!("{{'descr': '|u1', 'fortran_order': True, 'shape': {shape}, }}");
+    let most = u64::MAX;
+    for (fields, words) in [
+        (shape(&format!("({most}, {most}, {most})")), "voxels"),
+        (shape(&format!("({most}, 2, 2, {most})")), "volumes or channels"),
+        (shape("(340282366920938463463374607431768211456, 5, 6)"), "where sizes of axes are expected"),
+        (shape("(4, -5, 6)"), "where sizes of axes are expected"),
+        (shape("(4, 5.0, 6)"), "where sizes of axes are expected"),
+        (shape("'4, 5, 6'"), "where sizes of axes are expected"),
+        ("(".repeat(60_000), "brackets in brackets"),
+        (" ".repeat(70_000), "longer one than arrays of numbers"),
+        ("[1, 2]".to_owned(), "no dictionary: [1, 2]"),
+        ("{'descr': '|u1', 'shape': (4, 5, 6)}".to_owned(), "no 'fortran_order'"),
+        (
+            "{'descr': '|u1', 'fortran_order': 1, 'shape': (4, 5, 6)}".to_owned(),
+            "where True or False is expected",
+        ),
+        (
+            "{'descr': [('a', '<u2')], 'fortran_order': True, 'shape': (4, 5, 6)}".to_owned(),
+            "NumPy [('a', '<u2')]",
+        ),
+        ("{'descr': '<U3', 'fortran_order': True, 'shape': (4, 5, 6)}".to_owned(), "NumPy '<U3'"),
+    ] {
+        let message = read(&fields).map(drop).unwrap_err();
+        assert!(message.contains(words), "`{words}` is missing in: {message}");
+    }
+    assert_block(&read(&shape("(4, 5, 6)")).unwrap());
+}

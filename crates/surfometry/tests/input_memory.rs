@@ -19,6 +19,8 @@ fn memory_of_inputs() {
     let folder = tempfile::tempdir().unwrap();
     a_mesh_takes_little_more_than_itself(folder.path());
     slices_of_four_voxels(folder.path());
+    xml_of_comments_and_text(folder.path());
+    pages_of_one_strip(folder.path());
 }
 
 /// A binary PLY with what scanners add: normals, colours, and elements of no use here.
@@ -91,4 +93,77 @@ fn slices_of_four_voxels(folder: &Path) {
     let more = write(47_000_000);
     let (refused, used) = peak(|| read_labels(&more).unwrap_err().to_string());
     assert!(refused.contains("47000000 voxels along axis 2") && used < 1 << 20, "{refused}: {used} bytes");
+}
+
+fn gzip(path: &Path, parts: &[(&[u8], usize)]) {
+    let file = std::fs::File::create(path).unwrap();
+    let mut encoder = flate2::write::GzEncoder::new(file, flate2::Compression::fast());
+    for (bytes, times) in parts {
+        (0..*times).for_each(|_| encoder.write_all(bytes).unwrap());
+    }
+    encoder.finish().unwrap();
+}
+
+/// XML whose comments, or texts, unpack to hundreds of megabytes: neither is held.
+fn xml_of_comments_and_text(folder: &Path) {
+    let blank = vec![b' '; 1 << 20];
+    let head = b"<VTKFile type=\"ImageData\"><ImageData WholeExtent=\"0 3 0 4 0 5\" Spacing=\"1 1 1\"><Piece><PointData>\
+        <DataArray type=\"UInt8\" format=\"ascii\">";
+    let tail = b"</DataArray></PointData></Piece></ImageData></VTKFile>";
+    let text = folder.join("text.vti.gz");
+    gzip(&text, &[(head, 1), (b"1 ", 60), (&blank, 200), (b"1 ", 60), (tail, 1)]);
+    let comment = folder.join("comment.vti.gz");
+    gzip(&comment, &[(b"<!-- ", 1), (&blank, 200), (b"-->", 1), (head, 1), (b"1 ", 120), (tail, 1)]);
+    let quotes = vec![b'A'; 1 << 20];
+    let elements = folder.join("elements.vti.gz");
+    gzip(&elements, &[(b"<VTKFile a=\"", 1), (&quotes, 200), (b"\"/>", 1)]);
+    for path in [&text, &comment] {
+        let (image, used) = peak(|| read_labels(path).unwrap());
+        assert_eq!(image.summaries()[0].voxels, 120);
+        assert!(used < 16 << 20, "{}: {used} bytes", path.display());
+    }
+    let (refused, used) = peak(|| read_labels(&elements).unwrap_err().to_string());
+    assert!(refused.contains("no image's") && used < 16 << 20, "{refused}: {used} bytes");
+}
+
+/// A page of a TIFF may have its pixels where another one has them: thousands of pages, and no more memory for it.
+fn pages_of_one_strip(folder: &Path) {
+    let (side, pages) = (128u32, 20_000u32);
+    let mut file = b"II*\0\x08\0\0\0".to_vec();
+    let strip = 8 + pages * (2 + 12 * 9 + 4);
+    for page in 1..=pages {
+        let tags: [(u16, u16, u32); 9] = [
+            (256, 4, side),
+            (257, 4, side),
+            (258, 3, 8),
+            (259, 3, 1),
+            (262, 3, 1),
+            (273, 4, strip),
+            (277, 3, 1),
+            (278, 4, side),
+            (279, 4, side * side),
+        ];
+        file.extend((tags.len() as u16).to_le_bytes());
+        for (tag, kind, value) in tags {
+            file.extend([tag.to_le_bytes(), kind.to_le_bytes()].concat());
+            file.extend([1u32.to_le_bytes(), value.to_le_bytes()].concat());
+        }
+        let next = if page == pages { 0 } else { file.len() as u32 + 4 };
+        file.extend(next.to_le_bytes());
+    }
+    file.extend((0..side * side).map(|i| u8::from((i / 11) % 3 == 0)));
+    let path = folder.join("pages.tif");
+    std::fs::write(&path, &file).unwrap();
+    drop(file);
+    let options = surfometry::io::ReadOptions { spacing: Some([1.0; 3]) };
+    let (count, used) = peak(|| {
+        let mut slabs = surfometry::io::VoxelStream::open(&path, options).unwrap();
+        let mut count = 0;
+        while let Some(slab) = surfometry::volume::SlabReader::next_slab(&mut slabs).unwrap() {
+            count += slab.slices.len();
+        }
+        count
+    });
+    println!("{used} bytes for {count} pages");
+    assert!(count == pages as usize && used < 64 << 20, "{used} bytes");
 }

@@ -342,6 +342,14 @@ fn poly_data_of_vtk() {
     let polygons = format!("POLYGONS 6 30\n{}", faces(0));
     is_block(&folder.read("a.vtk", vtk("caf\u{e9}", &polygons)), 1.0, CENTRE);
     is_block(&folder.read("a.vtk", vtk("SPACE=LPS", &polygons)), 1.0, [-20.0, 30.0, 40.0]);
+    // As 3D Slicer names the axes in a field, among others.
+    let field = |rows: &str| {
+        let text = format!("FIELD FieldData 2\nother 2 1 int\n7 8\nSPACE 1 {rows} string\nLPS\n");
+        vtk("caf\u{e9}", &polygons).replace("POINTS", &(text + "POINTS"))
+    };
+    is_block(&folder.read("a.vtk", field("1")), 1.0, [-20.0, 30.0, 40.0]);
+    let texts = vtk("a", "FIELD FieldData 1\nSPACE 9 9 string\nLPS\nand a few more\n");
+    folder.refused("a.vtk", texts, &["the file ends within a text"]);
     let [a, b, c, d] = SIDES[5];
     let all = faces(0);
     let five: Vec<&str> = all.lines().take(5).collect();

@@ -217,3 +217,35 @@ fn truth_is_of_the_shape_as_it_was() {
     };
     assert!(known("phantom:ball?radius=6") && !known("phantom:shell?radius=9&inner=4"));
 }
+
+/// The ends of a threshold lie inside, also where a float of single precision has no number that is theirs: 0.1, 0.3 and a
+/// third are not among its, and the nearest ones are meant.
+#[test]
+fn ends_of_a_threshold_are_inside_in_single_precision() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.npy");
+    let ends = [0.1f32, 0.3, 1.0 / 3.0];
+    let values = |end: f32| [end.next_down(), end, end.next_up()];
+    let all: Vec<f32> = ends.into_iter().flat_map(values).cycle().take(4 * 5 * 6).collect();
+    let mut header = "{'descr': '<f4', 'fortran_order': True, 'shape': (4, 5, 6), }".to_owned();
+    header += &" ".repeat(117 - header.len());
+    let bytes: Vec<u8> = all.iter().flat_map(|value| value.to_le_bytes()).collect();
+    std::fs::write(&path, [b"\x93NUMPY\x01\0\x76\0", header.as_bytes(), b"\n", &bytes].concat()).unwrap();
+    let inside = |threshold: &str| {
+        let options = OpenOptions {
+            spacing: Some(SPACING),
+            preparation: preparation(threshold, ""),
+            ..OpenOptions::default()
+        };
+        let source = open(path.to_str().unwrap(), &options).unwrap();
+        let image = LabelImage::from_slabs(&mut source.slabs().unwrap()).unwrap();
+        (0..all.len()).map(|i| image.get(image.grid().index_of(i)) == 1).collect::<Vec<bool>>()
+    };
+    for (text, nearest) in [("0.1", ends[0]), ("0.3", ends[1]), ("0.3333333333333333", ends[2])] {
+        let expected =
+            |is_inside: &dyn Fn(f32) -> bool| all.iter().map(|v| is_inside(*v)).collect::<Vec<_>>();
+        assert_eq!(inside(&format!("{text}..")), expected(&|value| value >= nearest), "{text}..");
+        assert_eq!(inside(&format!("..{text}")), expected(&|value| value <= nearest), "..{text}");
+        assert_eq!(inside(&format!("{text}..{text}")), expected(&|value| value == nearest), "{text}");
+    }
+}

@@ -115,10 +115,15 @@ fn what_is_said_of_it_is_no_surplus() {
     for path in [
         file("a.mhd", &[&meta("HeaderSize = 512\nElementDataFile = a.raw")]),
         file("b.mhd", &[&meta("HeaderSize = -1\nElementDataFile = a.raw")]),
+        file("c.mha", &[&meta("HeaderSize = -1\nElementDataFile = LOCAL"), &[7; 33], &voxels(0)]),
         file("a.nhdr", &[&nrrd("encoding: raw\nbyte skip: 512\ndata file: a.raw")]),
         file("b.nhdr", &[&nrrd("encoding: raw\nbyte skip: -1\ndata file: a.raw")]),
         file("a.nii.gz", &[&gzip(&[nifti(*b"n+1\0", 352.0), voxels(0)].concat()), &[0; 64]]),
     ] {
         assert_flagged(&path, 0);
     }
+    // Voxels that end the file, whatever stands between them and the header.
+    let image = surfometry::io::read_labels(folder.path().join("c.mha")).unwrap();
+    let read: Vec<i64> = (0..VOXELS).map(|i| image.get(image.grid().index_of(i))).collect();
+    assert_eq!(read, voxels(0).into_iter().map(i64::from).collect::<Vec<_>>());
 }

@@ -2,6 +2,7 @@
 
 use super::TableError;
 use super::delimited::Delimited;
+use crate::io::read_handed_on;
 use crate::runs::flatten;
 use csv::StringRecord;
 use serde_json::{Map, Value};
@@ -42,7 +43,7 @@ impl Sheet {
 
     fn read(path: &Path) -> Result<Self, TableError> {
         let unread = |source: std::io::Error| TableError::Unreadable { path: path.to_owned(), source };
-        let bytes = std::fs::read(path).map_err(unread)?;
+        let bytes = read_handed_on(path).map_err(unread)?;
         if bytes.contains(&0) {
             return Err(TableError::NoText { path: path.to_owned() });
         }

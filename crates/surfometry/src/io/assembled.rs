@@ -13,6 +13,11 @@ pub(crate) trait AssembleVoxels: std::fmt::Debug + Send + Sync {
     /// The files that hold them.
     fn files(&self) -> Vec<PathBuf>;
 
+    /// Bytes of what holds the voxels.
+    fn stored_bytes(&self) -> u64 {
+        self.files().iter().filter_map(|file| file.metadata().ok()).map(|file| file.len()).sum()
+    }
+
     /// value = slope * stored + intercept.
     fn scaling(&self) -> Option<(f64, f64)> {
         None

@@ -88,6 +88,16 @@ pub enum ReadError {
         "the voxels are compressed, and the file around them again: unpack the file first, with `gunzip` or `bunzip2`"
     )]
     PackedTwice,
+    /// A compressed file that is compressed again.
+    #[error("{path}: {inner} within {outer}: the file is compressed twice; unpack it once, with `gunzip` or `bunzip2`", path = path.display())]
+    PackedAgain {
+        /// The file.
+        path: PathBuf,
+        /// How it is compressed.
+        outer: &'static str,
+        /// How what comes out is.
+        inner: &'static str,
+    },
     /// The voxel type has no single number a voxel.
     #[error(
         "voxels of type {0}: surfometry reads integers of 8 to 64 bits and floats of 32 or 64; convert the image"
@@ -132,6 +142,18 @@ pub enum ReadError {
         expected: u64,
         /// Bytes decoded behind them, without an end.
         surplus: u64,
+    },
+    /// More voxels than the bytes that are stored can hold.
+    #[error(
+        "the header claims {} x {} x {} voxels, and {stored} bytes are stored: these cannot be so many, or would take hours to read; correct the \
+         dimensions, or copy or export the image again",
+        dimensions[0], dimensions[1], dimensions[2]
+    )]
+    Claim {
+        /// What the header claims.
+        dimensions: [usize; 3],
+        /// Bytes of what holds the voxels.
+        stored: u64,
     },
     /// A segmentation in which nothing is segmented.
     #[error(
@@ -190,6 +212,12 @@ pub enum ReadError {
 }
 
 impl ReadError {
+    /// Of what is named and is no file.
+    pub(crate) fn not_a_file(path: &std::path::Path, found: &std::fs::Metadata) -> Self {
+        let kind = if found.is_dir() { "a folder" } else { "a device or pipe" };
+        Self::NotAFile { path: path.to_owned(), kind }
+    }
+
     pub(crate) fn io(path: &std::path::Path, source: io::Error) -> Self {
         Self::Io { path: path.to_owned(), source }
     }

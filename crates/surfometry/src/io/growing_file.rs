@@ -55,6 +55,12 @@ impl GrowingFile {
         if target.is_dir() {
             return Err(io::Error::new(io::ErrorKind::IsADirectory, "it is a folder"));
         }
+        if target.exists() && !target.is_file() {
+            return Err(io::Error::new(
+                io::ErrorKind::InvalidInput,
+                "it is a pipe or a device, which cannot go on later",
+            ));
+        }
         if target.is_file() {
             // Whoever took the right to write it away meant it.
             File::options().append(true).open(&target)?;
@@ -130,6 +136,23 @@ pub enum ResultOutput {
     Stream(Box<dyn Write + Send>),
 }
 
+/// Opens a device, or a pipe that somebody reads: to open one that nobody reads would wait for a reader.
+fn open_stream(path: &Path, kind: fs::FileType) -> io::Result<File> {
+    let mut options = File::options();
+    options.write(true);
+    #[cfg(unix)]
+    let _tried = {
+        use std::os::unix::fs::{FileTypeExt, OpenOptionsExt};
+        let at_once = || options.clone().custom_flags(libc::O_NONBLOCK).open(path);
+        let nobody = "it is a pipe that nobody reads: start its reader first, or name a file";
+        kind.is_fifo().then(at_once).transpose().map_err(|e| match e.raw_os_error() {
+            Some(libc::ENXIO) => io::Error::new(io::ErrorKind::BrokenPipe, nobody),
+            _ => e,
+        })?
+    };
+    options.open(path)
+}
+
 impl ResultOutput {
     /// Standard output.
     pub fn stdout() -> Self {
@@ -141,11 +164,12 @@ impl ResultOutput {
     /// # Errors
     /// As of [`GrowingFile::create`].
     pub fn create(path: &Path) -> io::Result<Self> {
-        let special = fs::metadata(path).is_ok_and(|m| !m.is_file() && !m.is_dir());
-        if special {
-            return Ok(Self::Stream(Box::new(File::options().write(true).open(path)?)));
+        match fs::metadata(path) {
+            Ok(found) if !found.is_file() && !found.is_dir() => {
+                Ok(Self::Stream(Box::new(open_stream(path, found.file_type())?)))
+            }
+            _ => GrowingFile::create(path).map(Self::File),
         }
-        GrowingFile::create(path).map(Self::File)
     }
 
     /// Writes bytes, and behind them, where they can be replaced, an end that makes whole what was written so

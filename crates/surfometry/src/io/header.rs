@@ -200,7 +200,8 @@ impl ImageHeader {
 
     /// Bytes that the voxels take.
     pub(crate) fn voxel_bytes(&self) -> u64 {
-        self.dimensions.iter().map(|&n| n as u64).product::<u64>() * self.scalar.bytes() as u64
+        let of = |product: u64, &n: &usize| product.saturating_mul(n as u64);
+        self.dimensions.iter().fold(self.scalar.bytes() as u64, of)
     }
 
     /// Bytes of the data file behind the last voxel of raw data; none where the voxels are said to end the

@@ -15,7 +15,9 @@
 mod aim;
 mod aim_voxels;
 mod assembled;
+mod base64_text;
 mod binary_header;
+mod claims;
 mod combinations;
 #[cfg(feature = "dicom")]
 mod dicom;
@@ -62,11 +64,11 @@ pub(crate) use format::{PACKED, without_version};
 pub use growing_file::{GrowingFile, ResultOutput};
 pub use header::ImageHeader;
 use header::Voxels;
-pub use label_names::{label_names_of_text, read_label_names};
+pub use label_names::{label_names_of_text, read_label_names, read_label_names_warning};
 pub use mesh::{MeshDocument, MeshFormat, is_mesh, mesh_paths, read_mesh, write_mesh};
 pub(crate) use mesh::{MeshFile, read_mesh_file};
 pub use nifti_writer::{write_labels, write_voxel_map};
-pub(crate) use packed::read_text;
+pub(crate) use packed::{read_handed_on, read_text};
 pub(crate) use raw::read_header as read_raw_header;
 pub use raw::{RawLayout, RawLayoutError};
 pub use voxel_stream::VoxelStream;

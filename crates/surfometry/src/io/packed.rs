@@ -13,6 +13,8 @@ use std::sync::Arc;
 
 /// So far the end of a compressed file is looked for behind its voxels.
 const MOST_BEHIND: u64 = 1 << 28;
+/// Bytes that tell how a file is compressed.
+const MAGIC: u64 = 10;
 /// How the first block of a bzip2 stream begins, behind its magic and a digit for its blocks' size.
 const BZIP2_BLOCK: &[u8] = &[0x31, 0x41, 0x59, 0x26, 0x53, 0x59];
 
@@ -29,9 +31,25 @@ impl Packed {
     pub(crate) fn open(path: &Path) -> Result<Self, ReadError> {
         let (mut file, _) = open_file(path)?;
         let mut magic = Vec::new();
-        let read = (&file).take(10).read_to_end(&mut magic).and_then(|_| file.rewind());
+        let read = (&file).take(MAGIC).read_to_end(&mut magic).and_then(|_| file.rewind());
         read.map_err(|e| ReadError::io(path, e))?;
-        Ok(Self { path: path.to_owned(), file, encoding: encoding_of(&magic) })
+        let packed = Self { path: path.to_owned(), file, encoding: encoding_of(&magic) };
+        packed.refuse_twice()?;
+        Ok(packed)
+    }
+
+    /// Whoever compressed a file twice hardly knows: what comes out is no image, which would be called damaged.
+    fn refuse_twice(&self) -> Result<(), ReadError> {
+        if !self.is_packed() {
+            return Ok(());
+        }
+        match encoding_of(&self.start(MAGIC)?.0) {
+            Encoding::Raw => Ok(()),
+            inner => {
+                let (outer, inner) = (name_of(self.encoding), name_of(inner));
+                Err(ReadError::PackedAgain { path: self.path.clone(), outer, inner })
+            }
+        }
     }
 
     /// Whether the whole file is compressed.
@@ -94,16 +112,45 @@ fn encoding_of(magic: &[u8]) -> Encoding {
     }
 }
 
+fn name_of(encoding: Encoding) -> &'static str {
+    match encoding {
+        Encoding::Raw => "raw",
+        Encoding::Gzip => "gzip",
+        Encoding::Zlib => "zlib",
+        Encoding::Bzip2 => "bzip2",
+    }
+}
+
 /// Opens a file, and says how many bytes it has. A pipe, a device or a folder is refused before it is
 /// touched: opening a pipe waits for who writes to it.
 pub(crate) fn open_file(path: &Path) -> Result<(File, u64), ReadError> {
     let failed = |e| ReadError::io(path, e);
     let metadata = path.metadata().map_err(failed)?;
     if !metadata.is_file() {
-        let kind = if metadata.is_dir() { "a folder" } else { "a device or pipe" };
-        return Err(ReadError::NotAFile { path: path.to_owned(), kind });
+        return Err(ReadError::not_a_file(path, &metadata));
     }
     Ok((File::open(path).map_err(failed)?, metadata.len()))
+}
+
+/// Bytes of what is handed on at most.
+const MOST_HANDED_ON: u64 = 1 << 28;
+
+/// The bytes of a file, or of what a shell hands on in its place: standard input, or `<(..)`, which is a pipe that somebody
+/// writes to. Any other pipe or device is refused: nobody may ever write to it, and it may never end.
+pub(crate) fn read_handed_on(path: &Path) -> io::Result<Vec<u8>> {
+    let handed_on = ["/dev/stdin", "/dev/fd", "/proc/self/fd"].iter().any(|place| path.starts_with(place));
+    let (is_file, mut bytes) = (path.metadata()?.is_file(), Vec::new());
+    let refused = |reason| Err(io::Error::new(io::ErrorKind::InvalidInput, reason));
+    if !is_file && !handed_on {
+        return refused(
+            "it is a folder, a pipe or a device, and no file: write what comes out of it to one first",
+        );
+    }
+    File::open(path)?.take(if is_file { u64::MAX } else { MOST_HANDED_ON }).read_to_end(&mut bytes)?;
+    if !is_file && bytes.len() as u64 == MOST_HANDED_ON {
+        return refused("it goes on and on: write it to a file first");
+    }
+    Ok(bytes)
 }
 
 /// The text of a small file; `Err` inside where it is none. Pipes and devices are refused.

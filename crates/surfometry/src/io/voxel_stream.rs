@@ -1,5 +1,6 @@
 //! A file's voxels as slabs.
 
+use super::claims::check_claim;
 use super::encoding;
 use super::header::{ByteOrder, Encoding, VoxelData, Voxels};
 use super::{ImageHeader, ReadError, ReadOptions};
@@ -47,6 +48,7 @@ impl VoxelStream {
         grid: Grid,
         surplus: Arc<AtomicU64>,
     ) -> Result<Self, ReadError> {
+        check_claim(&header)?;
         let file_nanoseconds = Arc::default();
         let voxels = match &header.data {
             Voxels::Stored(data) => encoding::open(data, header.voxel_bytes(), &file_nanoseconds)?,

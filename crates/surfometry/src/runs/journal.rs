@@ -6,14 +6,14 @@ use super::reading::FileStamps;
 use super::settings::Settings;
 use super::{Batch, Failure, Item, Outcome, Plan, Record, Shard, Sink, Task};
 use crate::inputs::{OpenOptions, open};
-use crate::io::{GrowingFile, sha256_text};
+use crate::io::{GrowingFile, read_handed_on, sha256_text};
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 use std::collections::{BTreeSet, HashMap};
 use std::io::{self, Write};
+use std::mem;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
-use std::{fs, mem};
 use thiserror::Error;
 
 /// Name and version of the lines' format.
@@ -188,9 +188,9 @@ pub(super) struct Lines {
 impl Lines {
     /// Of a finished file.
     pub(super) fn read(path: &Path) -> Result<Self, JournalError> {
-        let text = fs::read_to_string(path);
-        let text = text.map_err(|source| JournalError::Io { path: path.to_owned(), source })?;
-        Self::of_text(&text, path)?.ok_or_else(|| JournalError::NotOne { path: path.to_owned() })
+        let not_one = || JournalError::NotOne { path: path.to_owned() };
+        let text = String::from_utf8(read_handed_on(path).map_err(at(path))?).map_err(|_| not_one())?;
+        Self::of_text(&text, path)?.ok_or_else(not_one)
     }
 
     /// Nothing of an empty text.

@@ -2,7 +2,7 @@
 
 use super::{Failure, MadeBy, Plan, Record, SCHEMA, Settings, Sink, flatten};
 use crate::io::{ReadError, read_text};
-use serde::Deserialize;
+use serde::de::{Deserialize, Deserializer, Error as _};
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::io;
@@ -30,15 +30,20 @@ pub enum RerunError {
 }
 
 /// A document that `measure` wrote.
-#[derive(Debug, Clone, Deserialize)]
+#[derive(Debug, Clone, serde::Deserialize)]
 pub struct WrittenRun {
     schema: String,
     #[serde(flatten)]
     made_by: MadeBy,
+    #[serde(deserialize_with = "stated")]
     settings: Settings,
     results: Vec<Value>,
     #[serde(default)]
     failures: Vec<Failure>,
+}
+
+fn stated<'de, D: Deserializer<'de>>(document: D) -> Result<Settings, D::Error> {
+    Settings::stated(&Value::deserialize(document)?).map_err(D::Error::custom)
 }
 
 impl WrittenRun {

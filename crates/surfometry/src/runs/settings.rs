@@ -57,6 +57,22 @@ impl Settings {
         }
     }
 
+    /// Those that a document states.
+    ///
+    /// # Errors
+    /// What is wrong with them; also a field that this version does not know, which would make other numbers in silence.
+    pub(super) fn stated(document: &Value) -> Result<Self, String> {
+        let settings: Self = serde_json::from_value(document.clone()).map_err(|error| error.to_string())?;
+        let own = serde_json::to_value(&settings).map_err(|error| error.to_string())?;
+        match unknown_field(document, &own) {
+            Some(name) => Err(format!(
+                "`settings.{name}` is no setting of this version, {}; correct its name or take it out",
+                env!("CARGO_PKG_VERSION")
+            )),
+            None => Ok(settings),
+        }
+    }
+
     /// What measures so.
     pub fn plan(&self) -> Plan {
         Plan {
@@ -96,4 +112,18 @@ impl Settings {
         let said = |value: &Value| if value.is_null() { "the default".to_owned() } else { value.to_string() };
         differing.map(|(name, value)| format!("{name}: {} and {}", said(value), said(&others[name])))
     }
+}
+
+/// The first field of a document that what was read of it does not have. What is empty says nothing.
+fn unknown_field(stated: &Value, known: &Value) -> Option<String> {
+    let is_empty = |value: &Value| match value {
+        Value::Null => true,
+        Value::Object(fields) => fields.values().all(Value::is_null),
+        Value::Array(items) => items.is_empty(),
+        _ => false,
+    };
+    stated.as_object()?.iter().find_map(|(name, value)| match known.get(name) {
+        Some(own) => unknown_field(value, own).map(|inner| format!("{name}.{inner}")),
+        None => (!is_empty(value)).then(|| name.clone()),
+    })
 }

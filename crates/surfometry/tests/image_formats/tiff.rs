@@ -180,6 +180,13 @@ fn damage_and_what_is_no_stack_are_refused() {
     let said =
         surfometry::io::read_labels_with(&path, surfometry::io::ReadOptions { spacing: Some(SPACING) })
             .unwrap_err();
+    assert!(said.to_string().contains("claims 32768 x 32768 x 6 voxels"), "{said}");
+    // The same of a page that is small enough to be held.
+    (huge[0], huge[1], huge[6]) = ((256, 4, vec![1 << 13]), (257, 4, vec![1 << 14]), (278, 4, vec![1 << 14]));
+    let (_folder, path) = file("a.tif", &stack(&huge));
+    let said =
+        surfometry::io::read_labels_with(&path, surfometry::io::ReadOptions { spacing: Some(SPACING) })
+            .unwrap_err();
     assert!(said.to_string().contains("cannot be a page"), "{said}");
 }
 

@@ -108,6 +108,38 @@ fn image_data() {
     assert_refused(&path, &["430 bytes of voxels", "420"]);
 }
 
+/// Comments, declarations and other elements, wherever they stand, and base64 in lines and parts: of a part the padding ends it.
+#[test]
+fn image_data_among_other_things() {
+    let bytes = voxels();
+    let parts = [&(bytes.len() as u32).to_be_bytes()[..], &bytes[..100], &bytes[100..]];
+    let encoded: Vec<String> = parts.iter().map(|part| base64(part)).collect();
+    let text = vti(
+        &format!(
+            "<!-- <DataArray> \" --><DataArray type=\"UInt8\" a='>' Name=\"labels\" format=\"binary\">\n{}\n  {}{}<!-- 7 --></DataArray>",
+            encoded[0], encoded[1], encoded[2]
+        ),
+        "",
+    );
+    let text = text.replacen("<VTK", "<!-- <AppendedData> _ -->\n<VTK", 1);
+    for (name, bytes) in [("a.vti", text.clone().into_bytes()), ("a.vti.gz", gzip(text.as_bytes()))] {
+        let (_folder, path) = file(name, &bytes);
+        assert_read(&path, None, 1, turned());
+    }
+}
+
+fn base64(bytes: &[u8]) -> String {
+    const DIGITS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    let digits = |three: &[u8]| {
+        let bits = (0..3).fold(0u32, |bits, i| bits << 8 | u32::from(*three.get(i).unwrap_or(&0)));
+        let digit = |i: usize| {
+            if i <= three.len() { char::from(DIGITS[(bits >> (18 - 6 * i) & 63) as usize]) } else { '=' }
+        };
+        (0..4).map(digit).collect::<String>()
+    };
+    bytes.chunks(3).map(digits).collect()
+}
+
 #[test]
 fn image_data_that_is_refused() {
     let refused = |text: &str, words: &[&str]| {

@@ -102,3 +102,93 @@ fn what_is_not_meant_is_refused() {
     fs::write(folder.path().join("0/zarr.json"), huge).unwrap();
     assert_refused(folder.path(), &["save the array in smaller ones"]);
 }
+
+/// An array of these sizes, in version 3 with its chunks in folders.
+fn empty_array(folder: &Path, shape: [usize; 3], chunks: [usize; 3], fill: u8) {
+    let text = format!(
+        r#"{{"zarr_format": 3, "node_type": "array", "shape": {shape:?}, "data_type": "uint8", "fill_value": {fill}, "codecs": [{{"name": "bytes"}}],
+        "chunk_grid": {{"name": "regular", "configuration": {{"chunk_shape": {chunks:?}}}}}, "chunk_key_encoding": {{"name": "default"}}}}"#
+    );
+    fs::create_dir_all(folder).unwrap();
+    fs::write(folder.join("zarr.json"), text).unwrap();
+}
+
+fn put_chunk(folder: &Path, key: &str, bytes: &[u8]) {
+    let path = folder.join(key);
+    fs::create_dir_all(path.parent().unwrap()).unwrap();
+    fs::write(path, bytes).unwrap();
+}
+
+/// What is not stored has the fill value and costs nothing, however many chunks that is: 27 million here.
+#[test]
+fn chunks_that_are_not_stored() {
+    let folder = tempfile::tempdir().unwrap();
+    empty_array(folder.path(), [300; 3], [1; 3], 0);
+    assert_refused(folder.path(), &["none of its 27000000 chunks", "copied"]);
+    // Of no array, and beyond this one.
+    put_chunk(folder.path(), "c/7/9", &[1]);
+    put_chunk(folder.path(), "c/7/8/300", &[1]);
+    put_chunk(folder.path(), "c/7/8/9.tmp", &[1]);
+    assert_refused(folder.path(), &["none of its 27000000 chunks"]);
+    for (key, value) in [("c/7/8/9", 3), ("c/299/0/1", 5)] {
+        put_chunk(folder.path(), key, &[value]);
+    }
+    let start = std::time::Instant::now();
+    let options = surfometry::io::ReadOptions { spacing: Some(SPACING) };
+    let image = surfometry::io::read_labels_with(folder.path(), options).unwrap();
+    assert_eq!((image.get([9, 8, 7]), image.get([1, 0, 299])), (3, 5));
+    assert_eq!(image.summaries().iter().map(|label| label.voxels).sum::<u64>(), 2);
+    assert!(start.elapsed().as_secs() < 5, "{:?}", start.elapsed());
+    // Another fill value, in chunks that go beyond the array and are cut at every side.
+    empty_array(folder.path(), [9, 7, 5], [4, 3, 2], 6);
+    fs::remove_dir_all(folder.path().join("c")).unwrap();
+    put_chunk(folder.path(), "c/2/2/2", &(1..=24).collect::<Vec<u8>>());
+    put_chunk(folder.path(), "c/0/1/1", &(101..=124).collect::<Vec<u8>>());
+    let image = surfometry::io::read_labels_with(folder.path(), options).unwrap();
+    for i in 0..9 * 7 * 5 {
+        let [x, y, z] = [i % 5, i / 5 % 7, i / 35];
+        let in_chunk = 1 + (x % 2 + 2 * (y % 3) + 6 * (z % 4)) as i64;
+        let expected = match [x / 2, y / 3, z / 4] {
+            [2, 2, 2] => in_chunk,
+            [1, 1, 0] => 100 + in_chunk,
+            _ => 6,
+        };
+        assert_eq!(image.get([x, y, z]), expected, "{x} {y} {z}");
+    }
+}
+
+/// A slice that fills the memory, an image that takes hours, and a chunk that cannot be so large.
+#[test]
+fn more_voxels_than_are_stored() {
+    let folder = tempfile::tempdir().unwrap();
+    let refused = |words: &[&str]| {
+        let options = surfometry::io::ReadOptions { spacing: Some(SPACING) };
+        let said = surfometry::io::read_labels_with(folder.path(), options).unwrap_err().to_string();
+        assert!(words.iter().all(|word| said.contains(word)), "{said}");
+    };
+    for (shape, chunks, bytes) in [([100_000; 3], [100; 3], 1_000_000), ([2_000; 3], [10; 3], 1_000)] {
+        empty_array(folder.path(), shape, chunks, 0);
+        put_chunk(folder.path(), "c/0/0/0", &vec![1; bytes]);
+        refused(&[&format!("claims {} x", shape[0]), &format!("and {bytes} bytes are stored")]);
+    }
+    empty_array(folder.path(), [1_000; 3], [1_000; 3], 0);
+    refused(&["c/0/0/0: 1000 bytes", "cannot be a chunk of 1000000000 bytes"]);
+}
+
+/// A pipe that nobody writes to, in the place of a chunk or of metadata, is not waited for.
+#[cfg(unix)]
+#[test]
+fn pipes_in_an_array() {
+    let folder = tempfile::tempdir().unwrap();
+    let pipe = |key: &str| {
+        let path = folder.path().join(key);
+        let _ = fs::remove_file(&path);
+        assert!(std::process::Command::new("mkfifo").arg(&path).status().unwrap().success());
+    };
+    array(folder.path(), 2);
+    pipe("1.0.0");
+    assert_refused(folder.path(), &["1.0.0: a device or pipe, not a file"]);
+    fs::remove_file(folder.path().join("1.0.0")).unwrap();
+    pipe(".zattrs");
+    assert_refused(folder.path(), &[".zattrs: a device or pipe, not a file"]);
+}

@@ -4,6 +4,7 @@
 //! DICOM PS3.3 C.7.6.2 (where an image lies), C.7.6.16 (frames), C.8.20 (segmentations), PS3.5 8 (pixel data).
 
 mod bits;
+mod code_extensions;
 mod colour;
 mod data_set;
 mod frame;

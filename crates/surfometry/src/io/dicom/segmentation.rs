@@ -1,6 +1,7 @@
 //! Segmentations: a frame a slice and segment, in any order, empty ones left out; or a number of a segment a pixel.
 
 use super::bits::BitLayout;
+use super::code_extensions;
 use super::colour::of_cielab;
 use super::data_set::{DataSet, Elements};
 use super::error;
@@ -97,12 +98,14 @@ fn kind(data_set: &DataSet, layout: PixelLayout) -> Result<Kind, ReadError> {
 
 /// Names and colours of all segments, by number.
 fn segments(data_set: &DataSet) -> Result<LabelTable, ReadError> {
+    let sets = data_set.text(tags::SPECIFIC_CHARACTER_SET).unwrap_or_default();
     let segment = |item: &dicom_object::InMemDicomObject| {
         let number = item.whole_number(tags::SEGMENT_NUMBER);
         let number = number
             .ok_or_else(|| error("a segment without SegmentNumber (0062,0004); export the file again"))?;
         let colour = item.whole_numbers::<3>(tags::RECOMMENDED_DISPLAY_CIE_LAB_VALUE).map(of_cielab);
-        Ok::<_, ReadError>((number, LabelEntry { name: item.text(tags::SEGMENT_LABEL), colour }))
+        let name = item.text(tags::SEGMENT_LABEL).map(|name| code_extensions::decoded(&name, &sets));
+        Ok::<_, ReadError>((number, LabelEntry { name, colour }))
     };
     let all = data_set.items(tags::SEGMENT_SEQUENCE).iter().map(segment).collect::<Result<Vec<_>, _>>()?;
     let mut numbers: Vec<i64> = all.iter().map(|(number, _)| *number).collect();

@@ -1,6 +1,6 @@
 //! Names of labels in lines of text: colour tables of FreeSurfer and 3D Slicer, label descriptions of ITK-SNAP, CSV and TSV.
 
-use super::{EXPECTED, Row, row};
+use super::{EXPECTED, Row, distinct, row};
 use crate::volume::LabelTable;
 
 /// The table in a text.
@@ -12,14 +12,16 @@ pub(super) fn table(text: &str) -> Result<LabelTable, String> {
         _ => {
             let lines = text.lines().zip(1..).filter(|(line, _)| is_said(line));
             let read = |(line, number)| {
-                of_words(line).ok_or_else(|| {
+                let row = of_words(line).ok_or_else(|| {
                     format!("line {number}, `{}`: no label with a name; {EXPECTED}", start(line))
-                })
+                });
+                row.map(|row| (number, row))
             };
             lines.map(read).collect::<Result<_, _>>()?
         }
     };
-    Ok(rows.into_iter().filter(|(label, _)| *label != 0).collect())
+    let placed = rows.into_iter().map(|(line, row): (u64, Row)| (format!("line {line}"), row));
+    Ok(distinct(placed)?.into_iter().collect())
 }
 
 fn start(line: &str) -> String {
@@ -58,7 +60,7 @@ const NAMES: [&str; 6] = ["name", "structure", "labelname", "label_name", "descr
 const COLOURS: [&str; 4] = ["color", "colour", "hex", "rgb"];
 
 /// CSV or TSV: columns by their names, or a label and a name in a table without a head.
-fn separated(text: &str, separator: char) -> Result<Vec<Row>, String> {
+fn separated(text: &str, separator: char) -> Result<Vec<(u64, Row)>, String> {
     let mut reader = csv::ReaderBuilder::new()
         .delimiter(separator as u8)
         .comment(Some(b'#'))
@@ -102,12 +104,18 @@ impl Columns {
     }
 }
 
-fn of_fields(record: &csv::StringRecord, label: &str, name: &str, colour: &str) -> Result<Row, String> {
+/// A row and its line.
+fn of_fields(
+    record: &csv::StringRecord,
+    label: &str,
+    name: &str,
+    colour: &str,
+) -> Result<(u64, Row), String> {
     let line = record.position().map_or(0, csv::Position::line);
     let label = label
         .parse()
         .map_err(|_| format!("line {line}: label `{}` is no whole number; {EXPECTED}", start(label)))?;
-    Ok(row(label, name, hexadecimal(colour)))
+    Ok((line, row(label, name, hexadecimal(colour))))
 }
 
 /// `#rrggbb`.
@@ -147,6 +155,11 @@ mod tests {
         assert_eq!(read("1,liver\n2,\"spleen, left\"\n"), ["1 liver [0, 0, 0]", "2 spleen, left [0, 0, 0]"]);
         assert_eq!(read("Structure;Label\nliver;5\n"), ["5 liver [0, 0, 0]"]);
         assert_eq!(read("1 liver\n7\tL 5\n"), ["1 liver [0, 0, 0]", "7 L 5 [0, 0, 0]"]);
+        let twice = table("#\n1 liver\n2 spleen\n1 lung\n").unwrap_err();
+        assert!(twice.contains("`liver` (line 2) and `lung` (line 4)"), "{twice}");
+        let twice = table("id,name\n1,liver\n1,lung\n").unwrap_err();
+        assert!(twice.contains("`liver` (line 2) and `lung` (line 3)"), "{twice}");
+        assert_eq!(read("1 liver\n0 a\n0 b\n1 liver\n"), ["1 liver [0, 0, 0]"]);
         assert!(table("1,liver\nx,spleen\n").unwrap_err().contains("line 2"));
         assert!(table("1 liver\nnonsense\n").unwrap_err().contains("line 2, `nonsense`"));
     }

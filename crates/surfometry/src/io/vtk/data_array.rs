@@ -4,22 +4,22 @@
 use super::image_data::error;
 use crate::io::ReadError;
 use crate::io::assembled::{AssembleVoxels, Pieces};
+use crate::io::base64_text::Base64Text;
 use crate::io::header::ByteOrder;
 use crate::io::packed::PackedStretch;
 use crate::io::text_numbers::TextNumbers;
 use crate::volume::ScalarType;
-use base64::Engine;
-use base64::engine::general_purpose::STANDARD;
 use flate2::read::ZlibDecoder;
-use std::io::{Cursor, Read};
+use std::io::Read;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::AtomicU64;
 
 /// Bytes that are taken at once of those that are not compressed.
 const AT_ONCE: u64 = 1 << 20;
-/// More than any writer's blocks.
-const LARGEST_BLOCK: u64 = 1 << 30;
+/// More than any writer's blocks, which are unpacked one by one, and more of them than any image has.
+const LARGEST_BLOCK: u64 = 1 << 28;
+const MOST_BLOCKS: u64 = 1 << 24;
 
 /// How voxels are written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -66,7 +66,7 @@ impl DataArray {
     fn blocks(&self, stored: &mut Bytes) -> Result<Vec<(u64, u64)>, ReadError> {
         let [count, size, last] = [self.number(stored)?, self.number(stored)?, self.number(stored)?];
         let whole = if last == 0 { count } else { count.saturating_sub(1) };
-        if count > self.bytes()
+        if count > self.bytes().min(MOST_BLOCKS)
             || whole.checked_mul(size).and_then(|bytes| bytes.checked_add(last)) != Some(self.bytes())
         {
             return Err(error(format!(
@@ -106,13 +106,8 @@ impl DataArray {
 
     /// The bytes behind the encoding.
     fn stored(&self) -> Result<Bytes, ReadError> {
-        let mut stretch = PackedStretch::open(&self.path, self.at, self.size)?;
-        if self.form == Form::Raw {
-            return Ok(Box::new(stretch.into_reader()));
-        }
-        let text = stretch.some(usize::MAX)?;
-        let bytes = base64(&text).ok_or_else(|| ReadError::damaged(&self.path, &"text that is no base64"))?;
-        Ok(Box::new(Cursor::new(bytes)))
+        let stored = PackedStretch::open(&self.path, self.at, self.size)?.into_reader();
+        if self.form == Form::Raw { Ok(Box::new(stored)) } else { Ok(Box::new(Base64Text::new(stored))) }
     }
 
     fn binary(self: &Arc<Self>) -> Result<Bytes, ReadError> {
@@ -139,21 +134,6 @@ impl DataArray {
             Ok((!voxels.is_empty()).then(|| of.in_order(voxels)))
         })))
     }
-}
-
-/// Bytes of base64, which may have padding where a part of it ends, and white space; it ends where XML goes on.
-fn base64(text: &[u8]) -> Option<Vec<u8>> {
-    let text: Vec<u8> =
-        text.iter().copied().take_while(|&b| b != b'<').filter(|b| !b.is_ascii_whitespace()).collect();
-    let mut bytes = Vec::with_capacity(text.len() / 4 * 3);
-    let mut rest = &text[..];
-    while !rest.is_empty() {
-        let padding = rest.iter().position(|&b| b == b'=');
-        let end = padding.map_or(rest.len(), |at| (at / 4 + 1) * 4).min(rest.len());
-        bytes.extend(STANDARD.decode(&rest[..end]).ok()?);
-        rest = &rest[end..];
-    }
-    Some(bytes)
 }
 
 /// What a header shares with each reading of its voxels.

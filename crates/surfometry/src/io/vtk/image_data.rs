@@ -4,10 +4,10 @@
 //! <https://docs.vtk.org/en/latest/vtk_file_formats/vtkxml_file_format.html>.
 
 use super::data_array::{DataArray, Form, SharedArray};
+use super::outline::Outline;
 use super::{lattice, scalar_of_xml};
 use crate::io::assembled::Assembled;
 use crate::io::header::{ByteOrder, ImageHeader, Voxels, three_dimensions};
-use crate::io::packed::Packed;
 use crate::io::text_header::numbers;
 use crate::io::{Format, ReadError};
 use crate::volume::{Affine, ScalarType};
@@ -15,46 +15,28 @@ use roxmltree::{Document, Node, ParsingOptions};
 use std::path::Path;
 use std::sync::Arc;
 
-const APPENDED: &[u8] = b"<AppendedData";
-/// Text in front of appended voxels; and text with the voxels in it, which roxmltree counts with 32 bits.
-const SHORT: u64 = 1 << 20;
-const LONGEST: u64 = 1 << 31;
-
 pub(super) fn error(reason: impl Into<String>) -> ReadError {
     ReadError::Header { format: Format::Vti.name(), reason: reason.into() }
 }
 
 /// Reads the header of a .vti file.
 pub(in crate::io) fn read_header(path: &Path) -> Result<ImageHeader, ReadError> {
-    let file = Packed::open(path)?;
-    let place = |bytes: &[u8]| bytes.windows(APPENDED.len()).position(|window| window == APPENDED);
-    let mut bytes = file.start(SHORT)?.0;
-    if place(&bytes).is_none() && bytes.len() as u64 == SHORT {
-        bytes = file.start(LONGEST)?.0;
-    }
-    // What is appended is no XML.
-    let appended = place(&bytes);
-    let text = match appended {
-        Some(at) => [&bytes[..at], b"</VTKFile>"].concat(),
-        None => bytes.clone(),
-    };
-    let text = String::from_utf8(text).map_err(|_| error("text that is no UTF-8; export the image again"))?;
+    let Outline { elements, texts, appended } = Outline::read(path)?;
+    let text =
+        String::from_utf8(elements).map_err(|_| error("text that is no UTF-8; export the image again"))?;
     let options = ParsingOptions { allow_dtd: false, ..ParsingOptions::default() };
     let document = Document::parse_with_options(&text, options)
         .map_err(|e| error(format!("{e}; the file ends early or is damaged: copy or export it again")))?;
-    let appended = appended.and_then(|at| appended_data(&bytes, at));
-    header(path, &document, appended)
+    header(path, &document, |array| texts.get(&array.range().start).copied(), appended)
 }
 
-/// Where what is appended begins, and whether as base64.
-fn appended_data(bytes: &[u8], at: usize) -> Option<(u64, bool)> {
-    let close = at + bytes[at..].iter().position(|&b| b == b'>')?;
-    let tag = String::from_utf8_lossy(&bytes[at..close]).into_owned();
-    let underscore = close + bytes[close..].iter().position(|&b| b == b'_')?;
-    Some((underscore as u64 + 1, tag.contains("base64")))
-}
-
-fn header(path: &Path, document: &Document, appended: Option<(u64, bool)>) -> Result<ImageHeader, ReadError> {
+/// Of a document without its texts; `text` says where an array's is in the file.
+fn header(
+    path: &Path,
+    document: &Document,
+    text: impl Fn(Node) -> Option<(u64, u64)>,
+    appended: Option<(u64, bool)>,
+) -> Result<ImageHeader, ReadError> {
     let file = document.root_element();
     let image = child(file, "ImageData").ok_or_else(|| error("no ImageData; is this a VTK image?"))?;
     let pieces: Vec<Node> = image.children().filter(|node| node.has_tag_name("Piece")).collect();
@@ -74,7 +56,8 @@ fn header(path: &Path, document: &Document, appended: Option<(u64, bool)>) -> Re
     let dimensions = three_dimensions(&dimensions)?;
     let kind = array.attribute("type").unwrap_or_default();
     let scalar = scalar_of_xml(kind).ok_or_else(|| ReadError::VoxelType(format!("VTK {kind}")))?;
-    let data = data_array(path, file, array, appended, scalar, dimensions)?;
+    let stored = stored(array, text(array), appended)?;
+    let data = data_array(path, file, stored, scalar, dimensions)?;
     let affine = affine(image, whole, spacing, origin, first)?;
     Ok(ImageHeader {
         affine: Some(affine),
@@ -146,11 +129,38 @@ fn array<'a>(piece: Node<'a, 'a>) -> Result<(Node<'a, 'a>, bool), ReadError> {
     Err(error("no DataArray of points or cells; the file holds no voxels"))
 }
 
+/// How an array is stored, from which byte of the file on, and in how many.
+type StoredArray = (Form, u64, u64);
+
+/// `text` is what stands behind the array's tag.
+fn stored(
+    array: Node,
+    text: Option<(u64, u64)>,
+    appended: Option<(u64, bool)>,
+) -> Result<StoredArray, ReadError> {
+    match array.attribute("format").unwrap_or("ascii") {
+        "appended" => {
+            let offset: u64 = array
+                .attribute("offset")
+                .and_then(|offset| offset.trim().parse().ok())
+                .ok_or_else(|| error("an appended array without offset"))?;
+            let (start, base64) = appended
+                .ok_or_else(|| error("no AppendedData, where the voxels should be; the file ends early"))?;
+            let form = if base64 { Form::Base64 } else { Form::Raw };
+            Ok((form, start.saturating_add(offset), u64::MAX))
+        }
+        form @ ("ascii" | "binary") => {
+            let (at, size) = text.ok_or_else(|| error("an array without voxels; export the image again"))?;
+            Ok((if form == "ascii" { Form::Text } else { Form::Base64 }, at, size))
+        }
+        other => Err(error(format!("format {other} of an array is not known"))),
+    }
+}
+
 fn data_array(
     path: &Path,
     file: Node,
-    array: Node,
-    appended: Option<(u64, bool)>,
+    (form, at, size): StoredArray,
     scalar: ScalarType,
     dimensions: [usize; 3],
 ) -> Result<DataArray, ReadError> {
@@ -162,29 +172,6 @@ fn data_array(
     let order = match file.attribute("byte_order") {
         Some("BigEndian") => ByteOrder::Big,
         _ => ByteOrder::Little,
-    };
-    // The text's bytes, from which white space around it is not taken off.
-    let inline = || {
-        array
-            .children()
-            .find(Node::is_text)
-            .map(|text| (text.range().start as u64, text.range().len() as u64))
-    };
-    let (form, (at, size)) = match array.attribute("format").unwrap_or("ascii") {
-        "appended" => {
-            let offset: u64 = array
-                .attribute("offset")
-                .and_then(|offset| offset.trim().parse().ok())
-                .ok_or_else(|| error("an appended array without offset"))?;
-            let (start, base64) = appended
-                .ok_or_else(|| error("no AppendedData, where the voxels should be; the file ends early"))?;
-            (if base64 { Form::Base64 } else { Form::Raw }, (start.saturating_add(offset), u64::MAX))
-        }
-        form @ ("ascii" | "binary") => {
-            let place = inline().ok_or_else(|| error("an array without voxels; export the image again"))?;
-            (if form == "ascii" { Form::Text } else { Form::Base64 }, place)
-        }
-        other => return Err(error(format!("format {other} of an array is not known"))),
     };
     let wide = file.attribute("header_type") == Some("UInt64");
     let voxels = dimensions.iter().fold(1u64, |product, &n| product.saturating_mul(n as u64));

@@ -4,6 +4,7 @@
 mod data_array;
 mod image_data;
 mod legacy;
+mod outline;
 
 pub(super) use image_data::read_header as read_image_data;
 pub(super) use legacy::read_header as read_legacy;

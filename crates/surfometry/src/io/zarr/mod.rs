@@ -7,6 +7,7 @@
 mod choice;
 mod node;
 mod place;
+mod stored;
 mod voxels;
 
 use self::choice::{Chosen, choose};

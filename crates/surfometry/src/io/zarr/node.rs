@@ -1,8 +1,10 @@
 //! The metadata of a folder: an array or a group, of Zarr 2 or 3.
 
+use crate::io::packed::open_file;
 use crate::io::{Format, ReadError};
 use crate::volume::ScalarType;
 use serde_json::Value;
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
 /// Files that make a folder a node.
@@ -108,12 +110,13 @@ fn scalar(name: &str) -> Option<ScalarType> {
     })
 }
 
-/// `None` where there is no such file.
+/// `None` where there is nothing of that name.
 fn json(path: &Path) -> Result<Option<Value>, ReadError> {
-    if !path.is_file() {
+    if !path.exists() {
         return Ok(None);
     }
-    let text = std::fs::read(path).map_err(|e| ReadError::io(path, e))?;
+    let mut text = Vec::new();
+    open_file(path)?.0.read_to_end(&mut text).map_err(|e| ReadError::io(path, e))?;
     let document = serde_json::from_slice(&text);
     document.map(Some).map_err(|e| error(format!("{}: {e}; copy or export the image again", path.display())))
 }

@@ -177,8 +177,12 @@ impl<'a> Legacy<'a> {
     /// Passes over texts: lines, or each behind its length, whose first two bits say how many bytes it has. The first one.
     fn texts(&mut self, count: usize) -> Outcome<Option<Vec<u8>>> {
         let mut first = None;
+        let cut = "the file ends within a text";
         self.words.line();
         for _ in 0..count {
+            if self.words.rest().is_empty() {
+                return Err(cut.to_owned());
+            }
             if !self.binary {
                 let text = self.words.line().trim_ascii().to_vec();
                 first.get_or_insert(text);
@@ -190,7 +194,6 @@ impl<'a> Legacy<'a> {
                 Some(1) => 4,
                 _ => 8,
             };
-            let cut = "the file ends within a text";
             let length = self.words.bytes(width).ok_or(cut)?;
             let length = length.iter().fold(0, |all, &byte| (all << 8) | u64::from(byte));
             let text = self.words.bytes((length & !(3 << (8 * width - 2))) as usize).ok_or(cut)?;

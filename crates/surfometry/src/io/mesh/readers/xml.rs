@@ -1,11 +1,10 @@
 //! Files of XML with arrays of numbers in them.
 
+use super::super::super::base64_text;
 use super::super::super::header::ByteOrder;
 use super::Outcome;
 use super::unpack::most_unpacked;
 use super::words::Words;
-use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
-use base64::{Engine, alphabet};
 use flate2::read::ZlibDecoder;
 use roxmltree::{Document, Node, ParsingOptions};
 use std::io::Read;
@@ -49,14 +48,8 @@ pub(super) fn byte_order(name: &str) -> Outcome<ByteOrder> {
 
 /// Bytes out of base 64, of which several pieces may stand one behind the other, each with its padding.
 pub(super) fn from_base64(text: &[u8]) -> Outcome<Vec<u8>> {
-    let config = GeneralPurposeConfig::new().with_decode_padding_mode(DecodePaddingMode::Indifferent);
-    let engine = GeneralPurpose::new(&alphabet::STANDARD, config);
     let digits: Vec<u8> = text.iter().copied().filter(|byte| !byte.is_ascii_whitespace()).collect();
-    let mut bytes = Vec::with_capacity(digits.len() / 4 * 3);
-    for piece in digits.split(|&digit| digit == b'=').filter(|piece| !piece.is_empty()) {
-        engine.decode_vec(piece, &mut bytes).map_err(|error| format!("its base 64 is damaged: {error}"))?;
-    }
-    Ok(bytes)
+    base64_text::from_base64(&digits).ok_or_else(|| "its base 64 is damaged".to_owned())
 }
 
 /// Unpacks zlib's data; from a file of so many bytes not more than a mesh has.
