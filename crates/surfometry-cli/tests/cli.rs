@@ -294,7 +294,7 @@ fn messages_that_cannot_be_said_lose_no_results() {
     assert_eq!(status.code(), Some(1));
     let written = std::fs::read_to_string(folder.path().join("out.txt")).unwrap();
     assert!(
-        written.contains("blurred") && written.contains("not measured:\n  missing.nii: No such file"),
+        written.contains("volume mm") && written.contains("not measured:\n  missing.nii: No such file"),
         "{written}"
     );
 }

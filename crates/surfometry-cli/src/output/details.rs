@@ -45,19 +45,20 @@ pub(crate) fn heading(record: &Record) -> String {
 
 fn rows(record: &Record, explain: bool) -> Vec<Vec<String>> {
     let m = &record.measured;
-    let errors =
-        if m.surface == DescribedSurface::Original { m.standard_error } else { SurfaceValues::default() };
+    let errors = m.standard_error;
+    // What is explained term by term adds up, to all digits.
+    let noise = if explain { SurfaceValues::default() } else { errors };
     let mesh = m.topology.euler_characteristic_mesh.map_or_else(|| MISSING.to_owned(), |chi| chi.to_string());
     let mut rows = Vec::new();
     if m.surface == DescribedSurface::Original {
-        let mut original = value_row("original", &m.values, &errors);
+        let mut original = value_row("original", &m.values, &noise);
         original.push(digits_or_dash(m.values.euler_characteristic));
         rows.push(original);
         if errors.volume_mm3.is_some() {
             rows.push(value_row("s.e.", &errors, &errors));
         }
     }
-    let mut blurred = value_row(embedding_name(m.parameters.embedding), &m.blurred, &errors);
+    let mut blurred = value_row(embedding_name(m.parameters.embedding), &m.blurred, &noise);
     blurred.extend([thousandths(m.blurred.euler_characteristic), mesh]);
     rows.push(blurred);
     if explain {
