@@ -65,6 +65,11 @@ impl PositionNoise {
         spread / (2.0 * PI * sigma * sigma) + self.frequencies.iter().map(of_wave).sum::<f64>()
     }
 
+    /// Sigma, mm, where no other is known.
+    pub(crate) fn sigma(&self) -> f64 {
+        self.sigma
+    }
+
     /// What is left of a wave of so many radians a sigma along the surface.
     fn left_at(&self, phase: f64) -> f64 {
         let half_square = 0.5 * phase * phase;

@@ -2,10 +2,15 @@
 
 use super::closest_point::{ClosestPoint, ClosestPoints};
 use super::mesh::{dot, length, minus};
-use super::{Distribution, LocalQuantity, Moments, QUANTILES, Surface, VertexGeometry};
+use super::spread_mean::SpreadMean;
+use super::{Distribution, LocalQuantity, Mesh, Moments, QUANTILES, Surface, VertexGeometry};
 use crate::accuracy::PositionNoise;
 use rayon::prelude::*;
 use serde::Serialize;
+
+/// Edge of the lattice over which variances of places are averaged, in sigma: where a surface is curved, a blur averages over
+/// normals.
+const VARIANCES_OVER: f64 = 2.5;
 
 /// What a later surface is like where it is closest to a vertex.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -69,11 +74,15 @@ impl Surface {
             return None;
         }
         let closest = ClosestPoints::new(&later.surface.mesh);
-        let change = |(vertex, &place): (&VertexGeometry, &[f64; 3])| {
-            let point = closest.to(place)?;
-            Some(changed(vertex, place, first.noise, later, &point))
+        let variances = first.variances().zip(later.variances());
+        let change = |number: usize| {
+            let point = closest.to(first.surface.mesh.vertices[number])?;
+            let distance_error = variances.as_ref().map(|(here, there)| {
+                (here[number][0] + point.between(|corner| there[corner][0])).sqrt() as f32
+            });
+            Some(VertexChange { distance_error, ..changed(first.surface, number, later.surface, &point) })
         };
-        first.surface.vertices.par_iter().zip(&first.surface.mesh.vertices).map(change).collect()
+        (0..first.surface.vertices.len()).into_par_iter().map(change).collect()
     }
 
     /// Keeps a change at each vertex, so that it is among the arrays, distributions and what pictures show.
@@ -131,15 +140,23 @@ impl Surface {
     }
 }
 
-/// What a later surface is like at its point closest to a vertex.
-fn changed(
-    vertex: &VertexGeometry,
-    place: [f64; 3],
-    noise: Option<&PositionNoise>,
-    later: Placed,
-    point: &ClosestPoint,
-) -> VertexChange {
-    let (vertices, places) = (&later.surface.vertices, &later.surface.mesh.vertices);
+impl Placed<'_> {
+    /// Variance of each vertex' place along the normal, mm^2; `None` where no model of it holds.
+    fn variances(&self) -> Option<Vec<[f64; 1]>> {
+        let (noise, Mesh { vertices: places, .. }) = (self.noise?, &self.surface.mesh);
+        let vertices = self.surface.vertices.par_iter();
+        let own = vertices
+            .map(|v| [noise.variance(v.normal, v.curvature_sigma.map(f64::from))])
+            .collect::<Vec<_>>();
+        let around = SpreadMean::new(places, VARIANCES_OVER * noise.sigma());
+        Some(around.of(&own, &self.surface.mesh.vertex_areas()))
+    }
+}
+
+/// What a later surface is like at its point closest to a vertex, by its number.
+fn changed(first: &Surface, number: usize, later: &Surface, point: &ClosestPoint) -> VertexChange {
+    let (vertex, place) = (&first.vertices[number], first.mesh.vertices[number]);
+    let (vertices, places) = (&later.vertices, &later.mesh.vertices);
     let there = point.vector_between(|corner| places[corner]);
     let normal = point.vector_between(|corner| vertices[corner].normal);
     let apart = minus(there, place);
@@ -148,15 +165,6 @@ fn changed(
     let rise = -point.between(|corner| dot(minus(there, places[corner]), vertices[corner].normal));
     let shifted = |vertex: &VertexGeometry| vertex.displacement.unwrap_or_default();
     let shift = shifted(vertex) - point.between(|corner| shifted(&vertices[corner]));
-    let sigma = |vertex: &VertexGeometry| vertex.curvature_sigma.map(f64::from);
-    let distance_error = noise.zip(later.noise).map(|(noise, later_noise)| {
-        let nearest = &vertices[point.nearest_corner()];
-        let variances = [
-            noise.variance(vertex.normal, sigma(vertex)),
-            later_noise.variance(nearest.normal, sigma(nearest)),
-        ];
-        (variances[0] + variances[1]).sqrt() as f32
-    });
     let of_curvature = |vertex: &VertexGeometry| vertex.errors.map(|errors| f64::from(errors.mean_curvature));
     let mean_curvature_error = of_curvature(vertex)
         .zip(of_curvature(&vertices[point.nearest_corner()]))
@@ -164,7 +172,7 @@ fn changed(
     let mean_curvature = point.between(|corner| vertices[corner].curvature.mean_curvature);
     VertexChange {
         distance: (flat + rise + shift) as f32,
-        distance_error,
+        distance_error: None,
         mean_curvature: (mean_curvature - vertex.curvature.mean_curvature) as f32,
         mean_curvature_error,
     }
