@@ -161,8 +161,8 @@ fn changed(first: &Surface, number: usize, later: &Surface, point: &ClosestPoint
     let normal = point.vector_between(|corner| vertices[corner].normal);
     let apart = minus(there, place);
     let flat = length(apart).copysign(dot(apart, normal));
-    // The curved surface over the triangle, by the tangent planes at its corners: exact to second order.
-    let rise = -point.between(|corner| dot(minus(there, places[corner]), vertices[corner].normal));
+    // The curved surface over the triangle lies half-way to the tangent planes at its corners: exact to second order.
+    let rise = -0.5 * point.between(|corner| dot(minus(there, places[corner]), vertices[corner].normal));
     let shifted = |vertex: &VertexGeometry| vertex.displacement.unwrap_or_default();
     let shift = shifted(vertex) - point.between(|corner| shifted(&vertices[corner]));
     let of_curvature = |vertex: &VertexGeometry| vertex.errors.map(|errors| f64::from(errors.mean_curvature));
