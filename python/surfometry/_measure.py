@@ -33,12 +33,18 @@ def _prepared(
     name: str | None = None,
 ) -> tuple[str | Image, dict[str, str]]:
     """What is measured, and the words of its options."""
-    options = {"names": names or None, **options}
+    known = _opened(image, spacing, name)
+    # A file is as `read` gives it, an array (z, y, x).
+    axes = "zyx" if isinstance(known, str) else known.axes
+    return known, options_of(spacing=spacing_words(spacing, axes), names=names or None, **options)
+
+
+def _opened(image: object, spacing: float | Sequence[float] | None, name: str | None = None) -> str | Image:
+    """The name of a file, or an image whose spacing is known."""
     if isinstance(image, (str, PathLike)):
         if name is not None:
             raise ParameterError("a file has a name: leave name= out")
-        # As `read` gives it, an array (z, y, x).
-        return fspath(image), options_of(spacing=spacing_words(spacing, "zyx"), **options)
+        return fspath(image)
     known = readable(image_of(image), name)
     if known.affine is None and spacing is None:
         hint = "spacing=, in mm, in the order of the array's axes"
@@ -47,7 +53,7 @@ def _prepared(
             field="spacing",
             hint=hint,
         )
-    return known, options_of(spacing=spacing_words(spacing, known.axes), **options)
+    return known
 
 
 def only(found: list[Any]) -> Any:
@@ -385,6 +391,7 @@ def surface(
     paper: bool = False,
     names: Names | None = None,
     name: str | None = None,
+    against: object = None,
     threads: int | None = None,
     progress: Progress = None,
 ) -> Surface:
@@ -398,6 +405,11 @@ sigma, thickness, level, embedding, derivatives, clip, padding, paper, names, na
     curvature_sigma : float, {"auto", "local", "object"} or None
         Blur in mm of the corrected embedding in which curvature is that of the object as segmented, or how it is chosen:
         at each vertex ("auto", "local") or once, which is faster ("object"). None maps the surface as it is measured.
+    against : image, path or None
+        A later image of the same object, in the same world coordinates, on any grid: the surface then has the array
+        ``distance_mm``, the distance to the object of the same label there, positive where that lies outside,
+        ``mean_curvature_change_per_mm``, and their standard errors, which are what two masks of one object would differ by;
+        ``curvature["against"]`` has means, quantiles and what is beyond noise. Choices, ``spacing`` too, are those of both.
 
     Returns
     -------
@@ -420,7 +432,8 @@ sigma, thickness, level, embedding, derivatives, clip, padding, paper, names, na
     """
     known, options = _prepared(image, spacing, chosen(locals()), names, name)
     with session(threads, progress, one_object=label is None) as running:
-        found = _core.surface(Request(known, options, running), _scale(curvature_sigma))
+        later = None if against is None else _opened(against, spacing)
+        found = _core.surface(Request(known, options, running), _scale(curvature_sigma), later)
     mapped = only(found)
     record = json.loads(mapped["record"])
     if not len(mapped["faces"]):

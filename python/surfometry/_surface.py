@@ -40,13 +40,15 @@ class Surface:
     arrays : dict
         Values at the vertices: ``normal``, ``mean_curvature_per_mm``, ``gaussian_curvature_per_mm2``, ``k1_per_mm``,
         ``k2_per_mm``, ``direction_1``, ``direction_2``, ``shape_index``, ``curvedness_per_mm``, and their standard errors
-        as ``<name>_standard_error`` where there are any.
+        as ``<name>_standard_error`` where there are any; compared with a later image, also ``distance_mm`` and
+        ``mean_curvature_change_per_mm``.
     colors : (N, 3) uint8
         Mean curvature as sRGB, blue below 0, red above.
     measurement : Measurement
         The numbers of the object, in the embedding in which it was mapped.
     curvature : dict
-        Curvature over the surface, and its distributions: the record of ``surfometry map``.
+        Curvature over the surface, and its distributions: the record of ``surfometry map``. Under ``against``, how the
+        surface of a later image differs; None without one.
     frame : {"RAS", "LPS", "own"}
         The frame of the vertices.
     """
@@ -163,7 +165,7 @@ def turned(surface: Surface) -> Surface:
 
 def surface_of(given: Mapping[str, Any], record: dict[str, Any], frame: Frame) -> Surface:
     """A surface of what the extension module gives, in a frame."""
-    of_map = ("curvature", "quantiles", "distributions", "vertices_without_normal", "files")
+    of_map = ("curvature", "quantiles", "distributions", "vertices_without_normal", "against", "files")
     curvature = {name: record.pop(name) for name in of_map}
     curvature.pop("files")
     surface = Surface(

@@ -3,6 +3,7 @@
 import json
 import pickle
 
+import nibabel
 import numpy as np
 import pytest
 import pyvista
@@ -132,3 +133,39 @@ def test_reading_gives_what_is_stored(tmp_path):
     truth = json.loads((tmp_path / "ball.truth.json").read_text())["truth"]
     assert made.truth == truth
     assert surfometry.read(tmp_path / "ball.nii.gz", spacing=2).spacing == pytest.approx((2, 2, 2))
+
+
+def ball(radius, shape, spacing, centre):
+    """A ball about a place in mm, on a lattice whose first voxel is the origin; axes are (z, y, x)."""
+    places = np.meshgrid(*(np.arange(n) * h for n, h in zip(shape, spacing, strict=True)), indexing="ij")
+    return sum((place - c) ** 2 for place, c in zip(places, centre, strict=True)) < radius**2
+
+
+def test_distances_to_a_later_surface(tmp_path):
+    centre = (15.2, 14.7, 15.4)
+    first = ball(9.0, (28, 34, 34), (1.1, 0.9, 0.9), centre)
+    later = ball(10.5, (33, 33, 38), (0.9, 0.9, 0.8), centre)
+    images = [nibabel.Nifti1Image(mask.T.astype(np.uint8), np.diag([*spacing[::-1], 1.0]))
+              for mask, spacing in ((first, (1.1, 0.9, 0.9)), (later, (0.9, 0.9, 0.8)))]  # fmt: skip
+    nibabel.save(images[1], tmp_path / "later.nii.gz")
+    surface = surfometry.surface(images[0], against=images[1], curvature_sigma=None)
+    distance, told = surface.arrays["distance_mm"], surface.arrays["distance_mm_standard_error"]
+    assert distance.mean() == pytest.approx(1.5, abs=0.04) and (distance > 1.0).all()
+    assert np.sqrt(np.mean((distance - 1.5) ** 2)) < 1.3 * np.sqrt(np.mean(told**2))
+    change = surface.curvature["against"]
+    assert change["distance_mm"]["mean"] == pytest.approx(1.5, abs=0.04)
+    assert change["distance_mm"]["share_beyond_noise"] > 0.99
+    assert change["mean_curvature_change_per_mm"]["mean"] == pytest.approx(1 / 10.5 - 1 / 9, abs=0.003)
+    of_file = surfometry.surface(images[0], against=tmp_path / "later.nii.gz", curvature_sigma=None)
+    assert np.array_equal(of_file.arrays["distance_mm"], distance)
+    back = surfometry.surface(tmp_path / "later.nii.gz", against=images[0], curvature_sigma=None)
+    assert back.arrays["distance_mm"].mean() == pytest.approx(-1.5, abs=0.04)
+    assert surfometry.surface(images[0]).curvature["against"] is None
+
+
+def test_a_later_image_without_the_object_is_told():
+    image = turned_body().astype(np.uint8)
+    with pytest.raises(surfometry.InputError, match=r"compared.*label 1"):
+        surfometry.surface(image, SPACING, against=3 * image, curvature_sigma=None)
+    with pytest.raises(surfometry.FileError, match=r"nowhere\.nii"):
+        surfometry.surface(image, SPACING, against="nowhere.nii", curvature_sigma=None)

@@ -293,3 +293,65 @@ fn a_report_lists_what_failed() {
     assert_eq!(nothing.status.code(), Some(1));
     assert!(text(&nothing.stderr).contains("nothing to show") && !folder.path().join("empty.html").exists());
 }
+
+/// Distances to a later scan: arrays in meshes, numbers in JSON, colours of them; of an object that the later scan lacks it is
+/// said, and the others are compared.
+#[test]
+fn surfaces_are_compared_with_later_ones() {
+    let folder = tempfile::tempdir().unwrap();
+    let later = "phantom:ball?radius=9.5&shift=0.1,0.4,-0.2&spacing=0.9,0.9,1.1";
+    let args = [
+        "map",
+        BALL,
+        "--against",
+        later,
+        "-o",
+        "a.csv",
+        "-o",
+        "a.json",
+        "--png",
+        "a.png",
+        "--quantity",
+        "distance",
+    ];
+    let done = run_in(folder.path(), &args);
+    assert_eq!(done.status.code(), Some(0), "{}", text(&done.stderr));
+    let csv = std::fs::read_to_string(folder.path().join("a.csv")).unwrap();
+    let columns: Vec<&str> = csv.lines().next().unwrap().split(',').collect();
+    for name in ["distance_mm", "distance_mm_standard_error", "mean_curvature_change_per_mm"] {
+        assert!(columns.contains(&name), "{name}");
+    }
+    let document: Value =
+        serde_json::from_slice(&std::fs::read(folder.path().join("a.json")).unwrap()).unwrap();
+    let against = &document["results"][0]["against"];
+    assert_eq!(against["input"], later);
+    let distance = |name: &str| against["distance_mm"][name].as_f64().unwrap();
+    assert!((distance("mean") - 1.5).abs() < 0.04, "{against}");
+    // Both balls stand at their shifts, so one has moved by 0.2 to 0.3 mm against the other along each axis.
+    assert!(distance("rms") > 1.5 && distance("share_beyond_noise") > 0.99, "{against}");
+    assert!((0.01..0.2).contains(&distance("noise_rms")), "{against}");
+    assert!(against["hausdorff_95_mm"].as_f64().unwrap() > 1.6, "{against}");
+    let named = |d: &Value| d["name"] == "mean_curvature_change_per_mm";
+    assert!(document["results"][0]["distributions"].as_array().unwrap().iter().any(named));
+
+    three_labels(folder.path());
+    let args = ["map", "three.nrrd", "--against", later, "--label", "1,4", "-o", "b.json", "-o", "b.ply"];
+    let done = run_in(folder.path(), &args);
+    assert_eq!(done.status.code(), Some(1));
+    let said = text(&done.stderr);
+    assert!(said.contains("label 4") && said.contains(later) && said.contains("1"), "{said}");
+    let document: Value =
+        serde_json::from_slice(&std::fs::read(folder.path().join("b.json")).unwrap()).unwrap();
+    assert!(document["results"][0]["against"]["distance_mm"]["mean"].is_f64());
+    assert!(document["results"][1]["against"].is_null() && !document["results"][1]["files"].is_null());
+
+    // Without a later scan there is no distance; one that is not there ends the command before anything is written.
+    let done = run_in(folder.path(), &["map", BALL, "--quantity", "distance", "--png", "c.png"]);
+    assert_eq!(done.status.code(), Some(1));
+    assert!(text(&done.stderr).contains("compared with a later one"), "{}", text(&done.stderr));
+    let before = files_in(folder.path());
+    let done = run_in(folder.path(), &["map", BALL, "--against", "none.nrrd", "-o", "d.ply", "-o", "d.json"]);
+    assert_eq!(done.status.code(), Some(2));
+    assert!(text(&done.stderr).contains("none.nrrd"), "{}", text(&done.stderr));
+    assert_eq!(files_in(folder.path()), before);
+}

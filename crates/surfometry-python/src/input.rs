@@ -116,6 +116,13 @@ impl Held<'_> {
 }
 
 impl Prepared {
+    /// What its results are called.
+    pub(crate) fn name(&self) -> &str {
+        match self {
+            Self::Name(name) | Self::Image { name, .. } => name,
+        }
+    }
+
     /// Opens it; its name, and the source.
     pub(crate) fn opened(self, options: &OpenOptions) -> Result<(String, Box<dyn Source>), InputError> {
         match self {

@@ -1,11 +1,12 @@
 //! Objects to records.
 
-use crate::input::Request;
+use crate::input::{Prepared, Request};
 use crate::options::{chosen, plan, wrong};
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use serde::Serialize;
 use serde_json::{Map, Value, json};
+use surfometry::Control;
 use surfometry::inputs::OpenOptions;
 use surfometry::measurement::CurvatureScale;
 use surfometry::reference_methods::{METHODS, ReferenceMethod};
@@ -22,21 +23,29 @@ pub(crate) fn collected<T: Task<Row: 'static> + Send + 'static>(
     open: OpenOptions,
     task: T,
 ) -> PyResult<Collected<T::Row>> {
-    session.run(py, &image.held()?, move |control, prepared| {
-        let (name, source) = prepared.opened(&open)?;
-        let input = Opened::new(&name, None, source, control);
-        let mut found = Collected::default();
-        task.run(&input, &mut |item| {
-            // Keeping what comes cannot fail.
-            let _ = match item {
-                Item::Row(row) => found.row(row),
-                Item::Failure(failure) => found.failure(failure),
-            };
-        })?;
-        // What a stopped run hands out is not all there is.
-        control.check()?;
-        Ok(found)
-    })
+    session.run(py, &image.held()?, move |control, prepared| of_task(&task, prepared, &open, control))
+}
+
+/// What comes of a task on an input.
+pub(crate) fn of_task<T: Task>(
+    task: &T,
+    prepared: Prepared,
+    open: &OpenOptions,
+    control: &Control,
+) -> Result<Collected<T::Row>, RunError> {
+    let (name, source) = prepared.opened(open)?;
+    let input = Opened::new(&name, None, source, control);
+    let mut found = Collected::default();
+    task.run(&input, &mut |item| {
+        // Keeping what comes cannot fail.
+        let _ = match item {
+            Item::Row(row) => found.row(row),
+            Item::Failure(failure) => found.failure(failure),
+        };
+    })?;
+    // What a stopped run hands out is not all there is.
+    control.check()?;
+    Ok(found)
 }
 
 pub(crate) fn text(value: &impl Serialize) -> PyResult<String> {

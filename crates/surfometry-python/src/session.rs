@@ -48,7 +48,8 @@ impl Heard {
 
 /// What the thread that measures says to the one that waits.
 enum Message<T> {
-    Wanted(SlicesWanted),
+    /// Of an input, by its number.
+    Wanted(usize, SlicesWanted),
     Ended(thread::Result<Result<T, RunError>>),
 }
 
@@ -63,6 +64,16 @@ impl Session<'_> {
         self.run_heard(py, input, hear, work)
     }
 
+    /// The same on two inputs; exceptions name the first.
+    pub(crate) fn run_both<T: Send + 'static>(
+        &self,
+        py: Python,
+        inputs: [&Held; 2],
+        work: impl FnOnce(&Control, [Prepared; 2]) -> Result<T, RunError> + Send + 'static,
+    ) -> PyResult<T> {
+        self.run_all(py, inputs, hear, work)
+    }
+
     /// The same, of whose events something else is heard.
     pub(crate) fn run_heard<T: Send + 'static>(
         &self,
@@ -71,22 +82,35 @@ impl Session<'_> {
         hear: impl Fn(&Event, &mut Heard) + Send + Sync + 'static,
         work: impl FnOnce(&Control, Prepared) -> Result<T, RunError> + Send + 'static,
     ) -> PyResult<T> {
+        self.run_all(py, [input], hear, move |control, [prepared]| work(control, prepared))
+    }
+
+    fn run_all<const N: usize, T: Send + 'static>(
+        &self,
+        py: Python,
+        inputs: [&Held; N],
+        hear: impl Fn(&Event, &mut Heard) + Send + Sync + 'static,
+        work: impl FnOnce(&Control, [Prepared; N]) -> Result<T, RunError> + Send + 'static,
+    ) -> PyResult<T> {
         let pool = pool(self.threads).map_err(|e| PyRuntimeError::new_err(e.to_string()))?;
         let heard = Arc::new(Mutex::new(Heard::default()));
         let listener = Arc::clone(&heard);
         let control = Control::heard_by(move |event| hear(event, &mut lock(&listener)));
         let (sender, receiver) = channel();
-        let asking = sender.clone();
-        let prepared = input.prepared(Box::new(move |wanted| asking.send(Message::Wanted(wanted)).is_ok()));
+        let prepared = std::array::from_fn(|number| {
+            let asking = sender.clone();
+            inputs[number]
+                .prepared(Box::new(move |wanted| asking.send(Message::Wanted(number, wanted)).is_ok()))
+        });
         let controlled = control.clone();
         thread::spawn(move || {
             let worked = catch_unwind(AssertUnwindSafe(|| pool.install(|| work(&controlled, prepared))));
             // Whoever was interrupted wants no more.
             let _ = sender.send(Message::Ended(worked));
         });
-        match self.wait(py, input, &control, &heard, receiver)? {
+        match self.wait(py, &inputs, &control, &heard, receiver)? {
             Ok(Ok(result)) => Ok(result),
-            Ok(Err(error)) => Err(of_run(py, Some(&input.name()), &error)),
+            Ok(Err(error)) => Err(of_run(py, inputs.first().map(|input| input.name()).as_ref(), &error)),
             Err(panic) => Err(of_panic(py, &*panic)),
         }
     }
@@ -96,20 +120,20 @@ impl Session<'_> {
     fn wait<T: Send>(
         &self,
         py: Python,
-        input: &Held,
+        inputs: &[&Held],
         control: &Control,
         heard: &Mutex<Heard>,
         mut receiver: Receiver<Message<T>>,
     ) -> PyResult<thread::Result<Result<T, RunError>>> {
-        let voxels = input.voxels();
+        let voxels: Vec<Option<Voxels>> = inputs.iter().map(|input| input.voxels()).collect();
         let mut told = Heard::default();
         let mut looked = Instant::now();
         loop {
             // Lent as a whole, for it may be used by one thread at a time.
-            let (lent, voxels) = (&mut receiver, voxels.as_ref());
+            let (lent, voxels) = (&mut receiver, &voxels);
             let ended = py.detach(move || match lent.recv_timeout(PAUSE) {
-                Ok(Message::Wanted(wanted)) => {
-                    answer(voxels, &wanted);
+                Ok(Message::Wanted(number, wanted)) => {
+                    answer(voxels[number].as_ref(), &wanted);
                     None
                 }
                 Ok(Message::Ended(ended)) => Some(Ok(ended)),
@@ -164,7 +188,7 @@ fn ends_soon<T>(receiver: &Receiver<Message<T>>) -> bool {
     let last = Instant::now() + PATIENCE;
     loop {
         match receiver.recv_timeout(last.saturating_duration_since(Instant::now())) {
-            Ok(Message::Wanted(_)) => {}
+            Ok(Message::Wanted(..)) => {}
             Ok(Message::Ended(_)) | Err(RecvTimeoutError::Disconnected) => return true,
             Err(RecvTimeoutError::Timeout) => return false,
         }

@@ -2,30 +2,57 @@
 
 use crate::arrays::array_of;
 use crate::errors::{of_run, raise};
-use crate::input::Request;
-use crate::measured::{collected, text};
+use crate::input::{Input, Prepared, Request};
+use crate::measured::{collected, of_task, text};
 use crate::options::{chosen, curvature, plan};
 use numpy::{IntoPyArray, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::path::PathBuf;
+use std::sync::Arc;
+use surfometry::Control;
 use surfometry::io::{MeshDocument, write_mesh as write};
 use surfometry::measurement::VoxelQuantity;
 use surfometry::pictures::color_scale;
-use surfometry::runs::{MapStyle, MappedSurface, Plan, RunError, SurfaceTask, VoxelMapTask};
+use surfometry::runs::{
+    Against, Collected, MapStyle, MappedSurface, Opened, Plan, RunError, SurfaceTask, VoxelMapTask,
+};
 use surfometry::surface::{Mesh, VertexArray, VertexValues};
 
-/// A surface an object: record as JSON, title, vertices, triangles, colours, arrays by name.
+/// A surface an object: record as JSON, title, vertices, triangles, colours, arrays by name; compared with that of a later
+/// image, where there is one.
 #[pyfunction]
 pub(crate) fn surface<'py>(
     py: Python<'py>,
     request: Request,
     curvature_sigma: Option<&str>,
+    against: Option<Input<'py>>,
 ) -> PyResult<Vec<Bound<'py, PyDict>>> {
     let plan = plan(py, &request.options, curvature(py, curvature_sigma)?)?;
-    let task = SurfaceTask { plan: Plan { recover: false, ..plan } };
-    let found = collected(py, request, task.plan.open.clone(), task)?;
+    let plan = Plan { recover: false, ..plan };
+    let found = match against {
+        None => collected(py, request, plan.open.clone(), SurfaceTask { plan, against: None })?,
+        Some(later) => {
+            let (image, later) = (request.image.held()?, later.held()?);
+            request
+                .session
+                .run_both(py, [&image, &later], move |control, both| compared(plan, both, control))?
+        }
+    };
     found.results.into_iter().map(|mapped| as_arrays(py, mapped)).collect()
+}
+
+/// The surfaces of an image, compared with those of a later one.
+fn compared(
+    plan: Plan,
+    [image, later]: [Prepared; 2],
+    control: &Control,
+) -> Result<Collected<MappedSurface>, RunError> {
+    let (open, name) = (plan.open.clone(), later.name().to_owned());
+    let unread = |error| RunError::Against { name, source: Box::new(RunError::Input(error)) };
+    let (name, source) = later.opened(&open).map_err(unread)?;
+    let later = Against::read(&Opened::new(&name, None, source, control), &plan)?;
+    of_task(&SurfaceTask { plan, against: Some(Arc::new(later)) }, image, &open, control)
 }
 
 fn as_arrays(py: Python<'_>, mapped: MappedSurface) -> PyResult<Bound<'_, PyDict>> {

@@ -11,7 +11,7 @@ use anyhow::{Result, anyhow, bail};
 use std::path::{Path, PathBuf};
 use surfometry::io::mesh_paths;
 use surfometry::measurement::VoxelQuantity;
-use surfometry::runs::{Batch, FileLedger, MapFile, MapStyle, MapTask, Plan, Settings};
+use surfometry::runs::{Against, Batch, FileLedger, MapFile, MapStyle, MapTask, Plan, Settings};
 
 /// Map curvature on the surface: meshes, voxel maps, pictures, distributions
 ///
@@ -20,6 +20,10 @@ use surfometry::runs::{Batch, FileLedger, MapFile, MapStyle, MapTask, Plan, Sett
 /// see --voxels), pictures (.png, .svg; see --picture). A .json file holds the results, curvature summaries
 /// and distributions of all objects. Where there are several inputs or objects, `_NAME` and `_label-N` go
 /// before the ending. The names of all files are printed.
+///
+/// With --against LATER, a later scan that was registered to this one, each vertex has the distance to the surface of the same
+/// label there (positive where that lies outside) and the change of mean curvature, with standard errors: what two masks of one
+/// object would show. `--quantity distance` colours by it, and .json has means, quantiles and what is beyond noise.
 ///
 /// Coordinates are RAS, in mm. Exit status as of `measure`.
 #[derive(Debug, clap::Args)]
@@ -33,6 +37,9 @@ pub(crate) struct Args {
     /// Picture to write: the same as -o FILE
     #[arg(long, value_name = "FILE.png")]
     png: Option<PathBuf>,
+    /// A later image of the same objects, in the same world coordinates, on any grid: distances to its surfaces
+    #[arg(long, value_name = "LATER", value_parser = input_name())]
+    against: Option<String>,
     /// Quantities of voxel maps, a file each
     #[arg(long, value_delimiter = ',', default_value = "mean-curvature", value_parser = one_of::<VoxelQuantity>())]
     voxels: Vec<VoxelQuantity>,
@@ -48,14 +55,16 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
     // What is mapped is the surface of the one embedding that was chosen.
     let plan = Plan { recover: false, ..args.options.plan(args.curvature.scale())? };
     let inputs = expand(&args.inputs);
-    let [documents, files] = targets(args.output.iter().chain(&args.png), &inputs)?;
+    let read: Vec<String> = inputs.iter().chain(&args.against).cloned().collect();
+    let [documents, files] = targets(args.output.iter().chain(&args.png), &read)?;
     let style = MapStyle { voxels: distinct(&args.voxels), ..args.pictures.map_style() };
     let control = control(inputs.len(), Voice { quiet, memory: false });
     let (scale_ledger, settings) = (plan.scale_ledger.clone(), Settings::of(&plan));
     let batch = Batch { inputs: &inputs, open: plan.open.clone(), control: &control, cure };
-    let ledger = FileLedger::new(&inputs);
+    let ledger = FileLedger::new(&read);
+    let against = args.against.as_ref().map(|later| Against::open(later, &plan, &control)).transpose()?;
     let mut sink = MapSink::new(documents, &settings, quiet)?;
-    let outcome = batch.run(&MapTask { plan, files, style, ledger }, &mut sink)?;
+    let outcome = batch.run(&MapTask { plan, against, files, style, ledger }, &mut sink)?;
     deliver(&sink.finish(outcome)?, None)?;
     Ok(with_scales(status(outcome), &scale_ledger, quiet))
 }

@@ -12,6 +12,7 @@ mod curvature_scale;
 mod flags;
 mod local_errors;
 mod occupancy_noise;
+mod position_noise;
 mod scale;
 mod scale_choice;
 mod shear;
@@ -25,13 +26,14 @@ pub use flags::{Flag, FlagCode};
 pub(crate) use flags::{decimals_for, place_text, thick_slices};
 pub(crate) use local_errors::scaled_errors;
 pub use local_errors::{CurvatureDifferences, CurvatureErrors, LocalErrorModel};
+pub use position_noise::PositionNoise;
 pub use scale::{
     AUTO_SIGMA_SPACINGS, AUTO_THICKNESS_SPACINGS, auto_sigma, auto_thickness, auto_thickness_of_blur,
     band_variance, epsilon_of_blur, thickness_of_blur,
 };
 pub use scale_choice::local_scales;
 pub(crate) use scale_choice::{largest_agreeing, noise_factor, vertex_noise};
-pub(crate) use shear::{shear_errors, sheared};
+pub(crate) use shear::{shear_errors, sheared, taken_as_perpendicular};
 pub use soft_edges::SoftEdges;
 pub use terraces::Terraces;
 pub use uncertainty::{ErrorModel, IntegralErrors};

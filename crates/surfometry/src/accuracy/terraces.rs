@@ -127,7 +127,7 @@ impl<'a> SampledDelta<'a> {
     }
 }
 
-fn is_primitive(index: [i64; 3]) -> bool {
+pub(super) fn is_primitive(index: [i64; 3]) -> bool {
     let divisor = |mut a: i64, mut b: i64| {
         while b != 0 {
             (a, b) = (b, a % b);

@@ -111,11 +111,24 @@ impl BandVoxels {
 
     /// Adds one by its jet.
     pub(crate) fn push_jet(&mut self, index: [i64; 3], jet: &Jet, visit: &mut dyn FnMut(&Self)) {
+        self.put(self.count, jet);
+        self.finish_group(index, 1, 1, visit);
+    }
+
+    fn put(&mut self, place: usize, jet: &Jet) {
         let numbers = [jet.value].into_iter().chain(jet.gradient).chain(jet.hessian);
         for (column, number) in self.columns.iter_mut().zip(numbers) {
-            column[self.count] = number;
+            column[place] = number;
         }
-        self.finish_group(index, 1, 1, visit);
+    }
+
+    /// The same voxels with other derivatives.
+    pub(super) fn with_jets(&self, jet: impl Fn(&Jet) -> Jet) -> Self {
+        let mut band = self.clone();
+        for number in 0..self.count {
+            band.put(number, &jet(&self.jet(number)));
+        }
+        band
     }
 
     #[inline(always)]

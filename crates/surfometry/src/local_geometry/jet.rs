@@ -1,5 +1,7 @@
 //! A field's value and derivatives at a point.
 
+use crate::volume::Shear;
+
 /// Value, gradient and Hessian of a field at one point (its 2-jet), in mm.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Jet {
@@ -26,6 +28,15 @@ pub(super) const ORDERS: [[usize; 3]; 10] = [
 ];
 
 impl Jet {
+    /// The same along perpendicular axes, of derivatives along axes that are not.
+    pub(super) fn unsheared(&self, shear: &Shear) -> Self {
+        Self {
+            value: self.value,
+            gradient: shear.gradient(self.gradient),
+            hessian: shear.hessian(self.hessian),
+        }
+    }
+
     /// |grad phi|, 1/mm.
     #[inline(always)]
     pub fn gradient_magnitude(&self) -> f64 {

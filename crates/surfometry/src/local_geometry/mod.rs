@@ -10,6 +10,7 @@ mod matched_band;
 mod matched_difference;
 mod matched_weights;
 mod stencil;
+mod unsheared;
 
 pub(crate) use band_voxels::GROUP as BAND_GROUP;
 pub use band_voxels::{BandVoxel, BandVoxels};
@@ -21,6 +22,7 @@ pub use matched_difference::MatchedDifferences;
 pub(crate) use matched_weights::{CentralWeights, MatchedWeights, SIDE as MATCHED_SIDE, solved};
 pub use stencil::MINIMUM_POINTS;
 pub(crate) use stencil::Stencil;
+pub(crate) use unsheared::Unsheared;
 
 use crate::embedding::{Embedding, Precision};
 use crate::tiling::{Block, IndexBox};
@@ -145,7 +147,8 @@ pub trait Differentiation: Sync {
     );
 
     /// The field and its derivatives, taken there, at points of a tile off the grid: fractional voxel
-    /// indices. Derivatives are along the image's axes, in mm.
+    /// indices. Derivatives are along the image's axes, in mm. (Where these are not perpendicular, whoever
+    /// measures turns them.)
     fn jets_at(&self, field: &FieldBlock<Self>, points: &[[f64; 3]]) -> Vec<Jet>;
 
     /// The field of a tile, in memory that was used before.

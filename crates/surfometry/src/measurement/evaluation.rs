@@ -112,9 +112,10 @@ impl Setup {
             DescribedSurface::Blurred | DescribedSurface::Given => [blurred.values, SurfaceValues::default()],
         };
         let strain = self.grid.strain();
-        let standard_error = match surviving.filter(|_| strain > 0.0) {
-            Some(integrals) => {
-                let [area, mean] = shear_errors(strain, &integrals.surface);
+        let blurred_by = self.parameters.shift_sigma().filter(|_| strain > 0.0);
+        let standard_error = match surviving.zip(blurred_by) {
+            Some((integrals, sigma)) => {
+                let [area, mean] = shear_errors(strain, sigma, &integrals.surface);
                 standard_error.with(area, mean, &values)
             }
             None => standard_error,

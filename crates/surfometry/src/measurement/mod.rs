@@ -4,6 +4,7 @@ mod blur_bound;
 mod box_sums;
 mod boxes;
 mod clip;
+mod comparable;
 mod detail;
 mod evaluation;
 mod explanation;

@@ -8,7 +8,7 @@ use crate::Control;
 use crate::embedding::{ClosedField, DistanceEmbedding, Embedding, GaussianEmbedding, Indicator};
 use crate::integrals::Band;
 use crate::local_geometry::{
-    BandVoxel, Differentiation, FiniteDifferences, GaussianDerivatives, Jet, MatchedDifferences,
+    BandVoxel, Differentiation, FiniteDifferences, GaussianDerivatives, Jet, MatchedDifferences, Unsheared,
 };
 use crate::surface::{Surface, VertexExtras, cell_limits};
 use crate::tiling::IndexBox;
@@ -22,12 +22,12 @@ const MOST_BAND_VOXELS: f64 = 60.0;
 
 /// All embeddings with all their derivatives.
 pub(super) enum Scheme<'a> {
-    Gaussian(GaussianDerivatives<'a>),
-    Matched(MatchedDifferences<'a>),
-    GaussianDifferences(FiniteDifferences<GaussianEmbedding<'a>>),
-    Distance(FiniteDifferences<DistanceEmbedding<'a>>),
-    Given(FiniteDifferences<&'a FieldImage>),
-    Closed(FiniteDifferences<ClosedField<'a>>),
+    Gaussian(Unsheared<GaussianDerivatives<'a>>),
+    Matched(Unsheared<MatchedDifferences<'a>>),
+    GaussianDifferences(Unsheared<FiniteDifferences<GaussianEmbedding<'a>>>),
+    Distance(Unsheared<FiniteDifferences<DistanceEmbedding<'a>>>),
+    Given(Unsheared<FiniteDifferences<&'a FieldImage>>),
+    Closed(Unsheared<FiniteDifferences<ClosedField<'a>>>),
 }
 
 /// Does the same with whichever it is.
@@ -80,7 +80,7 @@ impl<'a> Scheme<'a> {
             EmbeddingKind::DistanceToVoxels => DistanceEmbedding::to_boundary_voxels(mask),
             _ => DistanceEmbedding::new(mask),
         };
-        Self::Distance(FiniteDifferences::new(distance, setup.grid.spacing().mm()))
+        Self::Distance(differences(distance, setup))
     }
 
     /// Of whatever is blurred; `None` of an embedding without a blur.
@@ -89,25 +89,28 @@ impl<'a> Scheme<'a> {
         let (level, truncation) = (setup.parameters.level_or_half(), setup.truncation());
         let embedding = GaussianEmbedding::of_profile(indicator, &profile, level, truncation);
         Some(match setup.parameters.derivatives {
-            Derivatives::Gaussian => Self::Gaussian(GaussianDerivatives::new(embedding)),
-            Derivatives::Matched => Self::Matched(match &setup.weights {
-                Some(weights) => MatchedDifferences::with_weights(embedding, Arc::clone(weights)),
-                None => MatchedDifferences::new(embedding),
-            }),
-            Derivatives::FiniteDifference => {
-                Self::GaussianDifferences(FiniteDifferences::new(embedding, setup.grid.spacing().mm()))
+            Derivatives::Gaussian => {
+                Self::Gaussian(Unsheared::new(GaussianDerivatives::new(embedding), &setup.grid))
             }
+            Derivatives::Matched => {
+                let matched = match &setup.weights {
+                    Some(weights) => MatchedDifferences::with_weights(embedding, Arc::clone(weights)),
+                    None => MatchedDifferences::new(embedding),
+                };
+                Self::Matched(Unsheared::new(matched, &setup.grid))
+            }
+            Derivatives::FiniteDifference => Self::GaussianDifferences(differences(embedding, setup)),
         })
     }
 
     /// Of a field that was given; closed where its image cuts it, where there is something beyond its edge.
     pub(super) fn of_field(setup: &Setup, field: &'a FieldImage) -> Self {
-        let (parameters, spacing) = (&setup.parameters, setup.grid.spacing().mm());
+        let parameters = &setup.parameters;
         match parameters.padding {
-            None => Self::Given(FiniteDifferences::new(field, spacing)),
+            None => Self::Given(differences(field, setup)),
             Some(background) => {
                 let slope = 2.0 * parameters.epsilon / parameters.thickness_mm;
-                Self::Closed(FiniteDifferences::new(ClosedField::new(field, background, slope), spacing))
+                Self::Closed(differences(ClosedField::new(field, background, slope), setup))
             }
         }
     }
@@ -154,6 +157,10 @@ impl<'a> Scheme<'a> {
     pub(super) fn jets(&self, points: &[[f64; 3]]) -> Vec<Jet> {
         with_scheme!(self, s => s.jets(points))
     }
+}
+
+fn differences<E: Embedding>(embedding: E, setup: &Setup) -> Unsheared<FiniteDifferences<E>> {
+    Unsheared::new(FiniteDifferences::new(embedding, setup.grid.spacing().mm()), &setup.grid)
 }
 
 /// Whether a blur may leave something of an object in a box, of which `total` adds up its voxels; one that

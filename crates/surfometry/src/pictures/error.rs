@@ -32,9 +32,11 @@ pub enum PictureError {
     #[error("the block's affine is singular: two of its axes coincide or a spacing is 0")]
     SingularAffine,
     /// A quantity that the object does not have.
-    #[error("{quantity} is defined for the Gaussian embedding at level 0.5 only: choose another quantity")]
+    #[error("{quantity} is defined for {condition} only: choose another quantity")]
     Undefined {
         /// The quantity.
         quantity: &'static str,
+        /// What has it.
+        condition: &'static str,
     },
 }

@@ -109,6 +109,8 @@ fn sign(quantity: LocalQuantity) -> &'static str {
         LocalQuantity::ShapeIndex => "1 on a\u{a0}ball, 0 on a\u{a0}saddle, −1 in a\u{a0}hollow.",
         LocalQuantity::Curvedness => "1/R on a\u{a0}ball.",
         LocalQuantity::Displacement => "Negative where the blur moved the surface inward.",
+        LocalQuantity::Distance => "Positive where the\u{a0}later surface lies outside.",
+        LocalQuantity::MeanCurvatureChange => "Positive where the\u{a0}later surface bends outward more.",
     }
 }
 
@@ -137,7 +139,9 @@ fn caption(object: &Object, remark: &str) -> String {
 }
 
 fn values(surface: &Surface, quantity: LocalQuantity) -> Result<Vec<f64>, PictureError> {
-    surface.values(quantity).ok_or(PictureError::Undefined { quantity: quantity.meaning() })
+    surface
+        .values(quantity)
+        .ok_or(PictureError::Undefined { quantity: quantity.meaning(), condition: quantity.condition() })
 }
 
 fn surface_figure(surface: &Surface, style: &PictureStyle, caption: &str) -> Result<Figure, PictureError> {

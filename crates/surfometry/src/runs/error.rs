@@ -100,6 +100,14 @@ pub enum RunError {
         /// The other.
         second: LabelGroup,
     },
+    /// A later input, with which another is compared.
+    #[error("{name}, with which it is compared: {source}")]
+    Against {
+        /// The later input.
+        name: String,
+        /// What is wrong with it.
+        source: Box<RunError>,
+    },
     /// What cannot be done with the input.
     #[error("{0}")]
     Unfit(&'static str),

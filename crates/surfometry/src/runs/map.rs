@@ -1,7 +1,10 @@
 //! Objects to files that show them.
 
 use super::write_map_files;
-use super::{FileLedger, InputObject, Item, MapStyle, Opened, Plan, Reading, RunError, SurfaceRecord, Task};
+use super::{
+    Against, AgainstRecord, FileLedger, InputObject, Item, MapStyle, Opened, Plan, Reading, RunError,
+    SurfaceRecord, Task,
+};
 use crate::inputs::with_parts;
 use std::path::PathBuf;
 
@@ -15,6 +18,7 @@ use std::path::PathBuf;
 /// let batch = Batch { inputs: &inputs, open: Default::default(), control: &control, cure: |_| None };
 /// let task = MapTask {
 ///     plan: Plan { recover: false, ..Plan::default() },
+///     against: None,
 ///     files: vec![mesh.clone()],
 ///     style: MapStyle::default(),
 ///     ledger: FileLedger::new(&inputs),
@@ -27,6 +31,8 @@ use std::path::PathBuf;
 pub struct MapTask {
     /// What is asked.
     pub plan: Plan,
+    /// A later image, with whose surfaces they are compared.
+    pub against: Option<Against>,
     /// Files for each object; where there are several inputs or objects, `_NAME` and `_label-N` go before
     /// their endings.
     pub files: Vec<PathBuf>,
@@ -45,19 +51,39 @@ impl Task for MapTask {
         let files: Vec<PathBuf> =
             self.files.iter().map(|path| with_parts(path, input.part.as_slice())).collect();
         for object in reading.objects() {
-            let object = object?;
+            let mut object = object?;
             object.surface();
             input.control.check()?;
+            let against = self.compared(input, &mut object, out)?;
             let written = self.write(input, &object, &files, out);
             input.control.check()?;
             let record = SurfaceRecord::new(object.record(), object.surface());
-            out(Item::Row(SurfaceRecord { files: written, ..record }));
+            out(Item::Row(SurfaceRecord { against, files: written, ..record }));
         }
         Ok(())
     }
 }
 
 impl MapTask {
+    /// How an object's surface differs from the later one. That the later image lacks it is handed out, and the rest is done
+    /// all the same.
+    fn compared(
+        &self,
+        input: &Opened,
+        object: &mut InputObject,
+        out: &mut dyn FnMut(Item<SurfaceRecord>),
+    ) -> Result<Option<AgainstRecord>, RunError> {
+        match self.against.as_ref().map(|later| later.change(object)) {
+            Some(Err(error)) if error.is_stop() => Err(error),
+            Some(Err(error)) => {
+                input.fail(object.failure(&error), out);
+                Ok(None)
+            }
+            Some(Ok(record)) => Ok(Some(record)),
+            None => Ok(None),
+        }
+    }
+
     /// Writes an object's files; their names. What cannot be written is handed out, and the others are
     /// written all the same.
     fn write(

@@ -1,6 +1,7 @@
 //! Many inputs, from names to results: one [`Batch`], a [`Task`] for each thing that is done with an input, a
 //! [`Sink`] for each place where results go. Every front end is a face of these.
 
+mod against;
 mod batch;
 mod blockwise;
 mod called;
@@ -50,6 +51,7 @@ mod table_columns;
 mod voxel_map_task;
 pub mod words;
 
+pub use against::{Against, AgainstRecord};
 pub use batch::{Batch, Collected, Item, Opened, Outcome, Sink, Task};
 pub use blockwise::{BlockRecord, Blockwise};
 pub use called::CalledObjects;

@@ -91,6 +91,16 @@ impl InputObject {
         self.surface.get_or_init(|| self.local().surface())
     }
 
+    /// The same, to keep more at its vertices.
+    pub(super) fn surface_mut(&mut self) -> Option<&mut Surface> {
+        self.surface();
+        self.surface.get_mut()
+    }
+
+    pub(super) fn control(&self) -> &Control {
+        &self.facts.control
+    }
+
     /// Its surface, of which nothing else is wanted any more.
     pub fn into_surface(mut self) -> Surface {
         self.surface();

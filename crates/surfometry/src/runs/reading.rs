@@ -259,7 +259,7 @@ impl<'a> Reading<'a> {
     }
 }
 
-fn field(
+pub(super) fn field(
     source: &dyn Source,
     slabs: &mut impl SlabReader<Error = InputError>,
 ) -> Result<Arc<FieldImage>, RunError> {

@@ -4,7 +4,7 @@ use super::columns::{REFERENCE, columns};
 use super::object::prepared_flags;
 use super::reading::labelled_masks;
 use super::{Item, Opened, Plan, Row, RunError, Task};
-use crate::accuracy::{Flag, FlagCode, sheared, thick_slices};
+use crate::accuracy::{Flag, FlagCode, taken_as_perpendicular, thick_slices};
 use crate::phantoms::Truth;
 use crate::reference_methods::{BoneValues, ReferenceMethod, ReferenceValues, SampleValues, cut_areas};
 use crate::volume::{LabelGroup, Mask};
@@ -114,7 +114,7 @@ fn object_flags(mask: &Mask) -> impl Iterator<Item = Flag> {
         );
         Flag::new(FlagCode::TouchesBorder, message)
     });
-    cut.into_iter().chain(thick_slices(mask.grid().spacing())).chain(sheared(mask.grid()))
+    cut.into_iter().chain(thick_slices(mask.grid().spacing())).chain(taken_as_perpendicular(mask.grid()))
 }
 
 /// Smoothing leaves nothing of objects of a few voxels.

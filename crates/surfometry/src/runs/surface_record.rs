@@ -1,6 +1,6 @@
 //! What is written of a surface besides its files.
 
-use super::{Record, Row};
+use super::{AgainstRecord, Record, Row};
 use crate::accuracy::{Flag, FlagCode};
 use crate::surface::{CurvatureSummary, Distribution, QUANTILES, Surface};
 use serde::Serialize;
@@ -23,6 +23,8 @@ pub struct SurfaceRecord {
     /// Vertices where the field's gradient has collapsed: their curvature is given as 0, and distributions
     /// leave them out.
     pub vertices_without_normal: u64,
+    /// How the surface of a later image differs; `None` where none was named, or it lacks the object.
+    pub against: Option<AgainstRecord>,
     /// The files that were written.
     pub files: Vec<String>,
 }
@@ -53,6 +55,7 @@ impl SurfaceRecord {
             quantiles: QUANTILES,
             distributions: surface.distributions().to_vec(),
             vertices_without_normal,
+            against: None,
             files: Vec::new(),
         }
     }

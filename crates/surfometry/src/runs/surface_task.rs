@@ -1,7 +1,8 @@
 //! Objects to their surfaces, kept in memory.
 
-use super::{Item, Opened, Plan, Reading, RunError, SurfaceRecord, Task};
+use super::{Against, Item, Opened, Plan, Reading, RunError, SurfaceRecord, Task};
 use crate::surface::Surface;
+use std::sync::Arc;
 
 /// Maps every selected object of an input, as [`MapTask`](super::MapTask) does, without files.
 ///
@@ -10,7 +11,8 @@ use crate::surface::Surface;
 /// let (inputs, control) = (["phantom:ball?radius=6".to_owned()], Control::default());
 /// let batch = Batch { inputs: &inputs, open: Default::default(), control: &control, cure: |_| None };
 /// let mut found = Collected::default();
-/// batch.run(&SurfaceTask { plan: Plan { recover: false, ..Plan::default() } }, &mut found)?;
+/// let plan = Plan { recover: false, ..Plan::default() };
+/// batch.run(&SurfaceTask { plan, against: None }, &mut found)?;
 /// assert!(found.results[0].surface.mesh.is_closed());
 /// # Ok::<(), std::io::Error>(())
 /// ```
@@ -18,6 +20,8 @@ use crate::surface::Surface;
 pub struct SurfaceTask {
     /// What is asked.
     pub plan: Plan,
+    /// A later image, with whose surfaces they are compared.
+    pub against: Option<Arc<Against>>,
 }
 
 /// A surface and what is known of it.
@@ -38,10 +42,12 @@ impl Task for SurfaceTask {
         input.begin_hashing();
         let reading = Reading::of(input, &self.plan)?;
         for object in reading.objects() {
-            let object = object?;
+            let mut object = object?;
             object.surface();
             input.control.check()?;
+            let against = self.against.as_ref().map(|later| later.change(&mut object)).transpose()?;
             let (title, record) = (object.title(), SurfaceRecord::new(object.record(), object.surface()));
+            let record = SurfaceRecord { against, ..record };
             input.control.check()?;
             out(Item::Row(MappedSurface { title, record, surface: object.into_surface() }));
         }

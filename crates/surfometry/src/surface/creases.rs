@@ -173,8 +173,7 @@ impl Surroundings {
 
 /// Normals along the image's axes.
 fn in_grid(surface: &Surface, grid: &Grid) -> Vec<[f64; 3]> {
-    let (affine, spacing) = (grid.affine(), grid.spacing().mm());
-    let axes: [[f64; 3]; 3] = std::array::from_fn(|a| affine.column(a).map(|step| step / spacing[a]));
+    let axes = grid.axes();
     surface.vertices.iter().map(|vertex| axes.map(|axis| dot(vertex.normal, axis))).collect()
 }
 

@@ -153,11 +153,7 @@ impl Surface {
 /// Fractional voxel indices of points of the world.
 pub(super) fn indices(points: &[[f64; 3]], grid: &Grid) -> Vec<[f64; 3]> {
     let affine = grid.affine();
-    let columns = [0, 1, 2].map(|a| affine.column(a));
-    let volume = affine.determinant();
-    // Rows of the inverse: cross products of the columns.
-    let rows =
-        [(1, 2), (2, 0), (0, 1)].map(|(a, b)| super::cross(columns[a], columns[b]).map(|v| v / volume));
+    let rows = affine.reciprocal();
     points.iter().map(|p| rows.map(|row| dot(row, super::minus(*p, affine.origin)))).collect()
 }
 

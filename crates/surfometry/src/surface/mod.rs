@@ -12,6 +12,8 @@
 
 mod cell;
 mod cell_interior;
+mod change;
+mod closest_point;
 mod creases;
 mod curvature_summary;
 mod distribution;
@@ -28,6 +30,7 @@ mod vertex_geometry;
 
 #[cfg(feature = "pictures")]
 pub(crate) use cell_interior::inside_is_joined;
+pub use change::{ChangeMoments, Placed, SurfaceChange, VertexChange};
 pub(crate) use creases::Creases;
 pub use curvature_summary::CurvatureSummary;
 pub use distribution::{Distribution, Histogram, Moments, QUANTILES};

@@ -21,6 +21,10 @@ pub enum LocalQuantity {
     Curvedness,
     /// How far the blur moved the surface, mm.
     Displacement,
+    /// How far outside a later surface lies, mm.
+    Distance,
+    /// By how much H is larger on that, 1/mm.
+    MeanCurvatureChange,
 }
 
 choices!(LocalQuantity, "quantity": {
@@ -31,6 +35,8 @@ choices!(LocalQuantity, "quantity": {
     ShapeIndex = "shape-index": "Shape index",
     Curvedness = "curvedness": "Curvedness",
     Displacement = "displacement": "Displacement by the blur",
+    Distance = "distance": "Distance to the later surface",
+    MeanCurvatureChange = "mean-curvature-change": "Change of mean curvature H",
 });
 
 impl LocalQuantity {
@@ -44,16 +50,30 @@ impl LocalQuantity {
             Self::ShapeIndex => "shape_index",
             Self::Curvedness => "curvedness_per_mm",
             Self::Displacement => "displacement_mm",
+            Self::Distance => "distance_mm",
+            Self::MeanCurvatureChange => "mean_curvature_change_per_mm",
         }
     }
 
     /// Unit, empty for a pure number.
     pub fn unit(self) -> &'static str {
         match self {
-            Self::MeanCurvature | Self::K1 | Self::K2 | Self::Curvedness => "1/mm",
+            Self::MeanCurvature | Self::K1 | Self::K2 | Self::Curvedness | Self::MeanCurvatureChange => {
+                "1/mm"
+            }
             Self::GaussianCurvature => "1/mm^2",
             Self::ShapeIndex => "",
-            Self::Displacement => "mm",
+            Self::Displacement | Self::Distance => "mm",
+        }
+    }
+
+    /// What surfaces have it.
+    #[cfg(feature = "pictures")]
+    pub(crate) fn condition(self) -> &'static str {
+        match self {
+            Self::Displacement => "the Gaussian embedding at level 0.5",
+            Self::Distance | Self::MeanCurvatureChange => "a surface that is compared with a later one",
+            _ => "a surface",
         }
     }
 
@@ -62,7 +82,7 @@ impl LocalQuantity {
         self != Self::Curvedness
     }
 
-    /// Its value at a vertex; `None` for a displacement that is not defined.
+    /// Its value at a vertex; `None` for a displacement that is not defined, and where no later surface is known.
     pub fn at(self, vertex: &VertexGeometry) -> Option<f64> {
         let curvature = &vertex.curvature;
         match self {
@@ -73,6 +93,8 @@ impl LocalQuantity {
             Self::ShapeIndex => Some(curvature.shape_index()),
             Self::Curvedness => Some(curvature.curvedness()),
             Self::Displacement => vertex.displacement,
+            Self::Distance => vertex.change.map(|change| f64::from(change.distance)),
+            Self::MeanCurvatureChange => vertex.change.map(|change| f64::from(change.mean_curvature)),
         }
     }
 

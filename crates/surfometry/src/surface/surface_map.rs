@@ -116,6 +116,11 @@ impl Surface {
         self.vertices.iter().filter(|vertex| !vertex.has_normal).count() as u64
     }
 
+    /// Lets distributions be those of vertices that have changed.
+    pub(super) fn forget_distributions(&mut self) {
+        self.distributions = OnceLock::new();
+    }
+
     /// The area that each vertex stands for, mm^2: 0 where it has no curvature.
     pub(super) fn weights(&self) -> Vec<f64> {
         let mut areas = self.mesh.vertex_areas();

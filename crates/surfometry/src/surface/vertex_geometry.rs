@@ -1,7 +1,7 @@
 //! The geometry of the level set at a vertex, from the field's derivatives there.
 
 use super::mesh::{cross, dot, unit};
-use super::{LocalQuantity, VertexArray, VertexValues};
+use super::{LocalQuantity, VertexArray, VertexChange, VertexValues};
 use crate::Choice;
 use crate::accuracy::CurvatureErrors;
 use crate::local_geometry::{Curvature, Jet};
@@ -28,6 +28,8 @@ pub struct VertexGeometry {
     pub errors: Option<CurvatureErrors>,
     /// Blur at which curvature was taken, mm, where each vertex has its own.
     pub curvature_sigma: Option<f32>,
+    /// What a later surface is like where it is closest; `None` where there is none.
+    pub change: Option<VertexChange>,
     /// Whether the field has a gradient that a surface would have. Where it has collapsed, as half-way
     /// through parts that the blur nearly removed, curvature says nothing, and distributions leave the vertex
     /// out.
@@ -51,13 +53,21 @@ const ERROR_ARRAYS: [ErrorArray; 5] = [
     ("shape_index_standard_error", |e| e.shape_index),
 ];
 
+/// The same of changes to a later surface.
+type ChangeErrorArray = (&'static str, fn(&VertexChange) -> Option<f32>);
+
+const CHANGE_ERROR_ARRAYS: [ChangeErrorArray; 2] = [
+    ("distance_mm_standard_error", |c| c.distance_error),
+    ("mean_curvature_change_per_mm_standard_error", |c| c.mean_curvature_error),
+];
+
 impl VertexGeometry {
-    /// From the field's derivatives along the image's axes, and the curvature that follows from them.
+    /// From the field's derivatives along the grid's perpendicular axes, and the curvature that follows from them.
     pub(super) fn of(jet: &Jet, curvature: Curvature, displacement: Option<f64>, grid: &Grid) -> Self {
         let magnitude = jet.gradient_magnitude();
         let normal = jet.gradient.map(|g| g / magnitude);
         let [direction_1, direction_2] = principal_directions(jet, normal);
-        let world = |v| to_world(v, grid);
+        let world = |v| grid.to_world(v);
         Self {
             normal: world(normal),
             curvature,
@@ -66,6 +76,7 @@ impl VertexGeometry {
             displacement,
             errors: None,
             curvature_sigma: None,
+            change: None,
             has_normal: true,
         }
     }
@@ -83,6 +94,7 @@ impl VertexGeometry {
             displacement,
             errors: None,
             curvature_sigma: None,
+            change: None,
             has_normal: false,
         }
     }
@@ -102,26 +114,18 @@ impl VertexGeometry {
         // In the contract's order: H, K, k1, k2, then directions.
         arrays.splice(4..4, directions);
         arrays.insert(0, normal);
-        arrays.extend(ERROR_ARRAYS.into_iter().filter_map(|(name, error)| {
-            let values =
-                vertices.iter().map(|v| v.errors.map(|e| f64::from(error(&e)))).collect::<Option<_>>()?;
+        let known = |name: &'static str, value: &dyn Fn(&Self) -> Option<f32>| {
+            let values: Option<Vec<f64>> = vertices.iter().map(|v| value(v).map(f64::from)).collect();
+            let values = values.filter(|values| !values.is_empty())?;
             Some(VertexArray { name: name.into(), values: VertexValues::Scalar(values) })
-        }));
-        let sigmas: Option<Vec<f64>> = vertices.iter().map(|v| v.curvature_sigma.map(f64::from)).collect();
-        if let Some(sigmas) = sigmas.filter(|sigmas| !sigmas.is_empty()) {
-            arrays.push(VertexArray {
-                name: "curvature_sigma_mm".into(),
-                values: VertexValues::Scalar(sigmas),
-            });
-        }
+        };
+        let errors = ERROR_ARRAYS.into_iter();
+        arrays.extend(errors.filter_map(|(name, error)| known(name, &|v| v.errors.as_ref().map(error))));
+        let errors = CHANGE_ERROR_ARRAYS.into_iter();
+        arrays.extend(errors.filter_map(|(name, error)| known(name, &|v| error(v.change.as_ref()?))));
+        arrays.extend(known("curvature_sigma_mm", &|v| v.curvature_sigma));
         arrays
     }
-}
-
-/// A vector along the image's axes, in mm, turned into the world; also where the axes are left-handed.
-fn to_world(v: [f64; 3], grid: &Grid) -> [f64; 3] {
-    let (affine, spacing) = (grid.affine(), grid.spacing().mm());
-    std::array::from_fn(|w| (0..3).map(|a| affine.linear[w][a] / spacing[a] * v[a]).sum())
 }
 
 /// Unit eigenvectors of the Hessian in the tangent plane, of the larger eigenvalue first.

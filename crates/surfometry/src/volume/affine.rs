@@ -93,6 +93,16 @@ impl Affine {
             + a[2] * (b[0] * c[1] - b[1] * c[0])
     }
 
+    /// Rows of the inverse: one across the other two columns for each, whose product with its own is 1.
+    pub(crate) fn reciprocal(&self) -> [[f64; 3]; 3] {
+        let volume = self.determinant();
+        [(1, 2), (2, 0), (0, 1)].map(|(first, second)| {
+            let (a, b) = (self.column(first), self.column(second));
+            let cross = [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+            cross.map(|v| v / volume)
+        })
+    }
+
     /// The world axis that each image axis runs along best, each world axis being taken once.
     pub fn nearest_axes(&self) -> [usize; 3] {
         let lengths = self.column_lengths();

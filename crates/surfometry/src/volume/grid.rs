@@ -1,5 +1,6 @@
 //! The lattice of voxel centres and where it lies in the world.
 
+use super::shear::Shear;
 use super::{Affine, Spacing, VolumeError};
 use crate::tiling::IndexBox;
 use serde::{Deserialize, Serialize};
@@ -21,6 +22,7 @@ pub struct Grid {
     dimensions: [usize; 3],
     spacing: Spacing,
     affine: Affine,
+    shear: Option<Shear>,
 }
 
 /// What a grid is written as.
@@ -45,8 +47,8 @@ impl TryFrom<Lattice> for Grid {
 }
 
 impl Grid {
-    /// A grid in the world. Axes that are up to 1 degree from perpendicular are measured as if they were so, with spacings
-    /// whose product is the voxel's true volume.
+    /// A grid in the world. Axes may be up to 1 degree from perpendicular; the spacings are scaled then so that their product is
+    /// the voxel's true volume.
     ///
     /// # Errors
     /// [`VolumeError`] for an empty axis, too many voxels, a spacing that is not positive, or an affine that is sheared
@@ -59,9 +61,11 @@ impl Grid {
         let lengths = Spacing::new(affine.column_lengths())?;
         check_shear(&affine)?;
         let shrunk = libm::cbrt(affine.determinant().abs() / lengths.cell_volume());
-        let spacing =
-            if strain(&affine) > 0.0 { Spacing::new(lengths.mm().map(|h| h * shrunk))? } else { lengths };
-        Ok(Self { dimensions, spacing, affine })
+        if strain(&affine) == 0.0 {
+            return Ok(Self { dimensions, spacing: lengths, affine, shear: None });
+        }
+        let spacing = Spacing::new(lengths.mm().map(|h| h * shrunk))?;
+        Ok(Self { dimensions, spacing, affine, shear: Some(Shear::of(&affine, spacing)) })
     }
 
     /// By how much a length may differ from what it would be if the axes were perpendicular, as a share of it; 0 where they
@@ -117,6 +121,27 @@ impl Grid {
     /// Index-to-world transform, mm, RAS.
     pub fn affine(&self) -> &Affine {
         &self.affine
+    }
+
+    /// How the axes differ from perpendicular ones; `None` where they do not, up to rounding.
+    pub(crate) fn shear(&self) -> Option<&Shear> {
+        self.shear.as_ref()
+    }
+
+    /// A vector along the grid's axes, or the perpendicular ones nearest to them, in mm, turned into the world; also where
+    /// the axes are left-handed.
+    pub(crate) fn to_world(&self, v: [f64; 3]) -> [f64; 3] {
+        let axes = self.axes();
+        std::array::from_fn(|w| (0..3).map(|a| axes[a][w] * v[a]).sum())
+    }
+
+    /// These axes, unit vectors of the world.
+    pub(crate) fn axes(&self) -> [[f64; 3]; 3] {
+        let (affine, spacing) = (&self.affine, self.spacing.mm());
+        match &self.shear {
+            Some(shear) => *shear.axes(),
+            None => std::array::from_fn(|a| affine.column(a).map(|step| step / spacing[a])),
+        }
     }
 
     /// All voxel indices.

@@ -29,6 +29,7 @@ mod samples;
 mod segments;
 mod selection;
 mod shared;
+mod shear;
 mod slab;
 mod spacing;
 
@@ -61,6 +62,7 @@ pub use segments::{Segments, Selected};
 pub(crate) use selection::without_repeats;
 pub use selection::{LabelGroup, LabelSelection, ParseSelectionError};
 pub use shared::Shared;
+pub(crate) use shear::Shear;
 pub use slab::{Slab, SlabReader, slices_a_slab};
 pub(crate) use slab::{check_made, made_slab};
 pub use spacing::Spacing;

@@ -1,0 +1,150 @@
+//! A later image of the same objects, with whose surfaces those of a run are compared.
+
+use super::called::with_name;
+use super::fingerprint::Fingerprint;
+use super::reading::{Watched, field};
+use super::{InputObject, Opened, Plan, RunError};
+use crate::Control;
+use crate::inputs::open;
+use crate::measurement::{EmbeddingKind, Object};
+use crate::surface::{Placed, Surface, SurfaceChange};
+use crate::volume::{
+    FieldImage, LabelGroup, LabelImage, LabelSelection, LabelTable, Mask, ProbabilityImage, Segments,
+    Selected,
+};
+use serde::Serialize;
+use std::sync::Arc;
+
+/// A later image of the same objects in the same world, as of a scan that was registered: read once.
+///
+/// ```
+/// use std::sync::Arc;
+/// use surfometry::{Control, runs::{Against, Batch, Collected, Plan, SurfaceTask}};
+/// let (inputs, control) = (["phantom:ball?radius=6".to_owned()], Control::default());
+/// let plan = Plan { recover: false, ..Plan::default() };
+/// let later = Against::open("phantom:ball?radius=7&shift=0.3,0,0", &plan, &control)?;
+/// let task = SurfaceTask { plan, against: Some(Arc::new(later)) };
+/// let batch = Batch { inputs: &inputs, open: Default::default(), control: &control, cure: |_| None };
+/// let mut found = Collected::default();
+/// batch.run(&task, &mut found)?;
+/// let change = found.results[0].record.against.as_ref().expect("both have label 1").change;
+/// assert!((change.distance_mm.mean - 1.0).abs() < 0.05);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug)]
+pub struct Against {
+    name: String,
+    content: Content,
+    fingerprint: Arc<Fingerprint>,
+}
+
+#[derive(Debug)]
+enum Content {
+    Labels { image: Box<LabelImage>, segments: Option<Segments>, table: LabelTable },
+    Probability(Arc<ProbabilityImage>),
+    Field(Arc<FieldImage>),
+}
+
+/// How an object's surface has changed.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct AgainstRecord {
+    /// The later input as named.
+    pub input: String,
+    /// SHA-256 of it, as of an input.
+    pub input_sha256: Option<String>,
+    /// From the first surface to the later one.
+    #[serde(flatten)]
+    pub change: SurfaceChange,
+}
+
+impl Against {
+    /// Reads an input by its name.
+    ///
+    /// # Errors
+    /// [`RunError::Against`].
+    pub fn open(name: &str, plan: &Plan, control: &Control) -> Result<Self, RunError> {
+        let source = open(name, &plan.open).map_err(|error| told_of(name, error.into()))?;
+        Self::read(&Opened::new(name, None, source, control), plan)
+    }
+
+    /// Reads an input.
+    ///
+    /// # Errors
+    /// [`RunError::Against`].
+    pub fn read(input: &Opened, plan: &Plan) -> Result<Self, RunError> {
+        input.begin_hashing();
+        let content = Content::of(input, plan).map_err(|error| told_of(input.name, error))?;
+        Ok(Self { name: input.name.to_owned(), content, fingerprint: Arc::clone(&input.fingerprint) })
+    }
+
+    /// Compares the surface of an object with that of the later one of the same label, and keeps what there is at each vertex.
+    ///
+    /// # Errors
+    /// [`RunError::Against`] where there is no such label, or nothing is left of it.
+    pub(super) fn change(&self, first: &mut InputObject) -> Result<AgainstRecord, RunError> {
+        let change = self.change_of(first).map_err(|error| told_of(&self.name, error))?;
+        Ok(AgainstRecord { input: self.name.clone(), input_sha256: self.fingerprint.text(), change })
+    }
+
+    fn change_of(&self, first: &mut InputObject) -> Result<SurfaceChange, RunError> {
+        let later = self.object(first)?;
+        let surface = later.surface();
+        first.control().check()?;
+        let noise = [first.local().position_noise(), later.position_noise()];
+        let here = Placed { surface: first.surface(), noise: noise[0].as_ref() };
+        let there = Placed { surface: &surface, noise: noise[1].as_ref() };
+        let both = Surface::changes_to(here, there).zip(Surface::changes_to(there, here));
+        let (changes, from_later) = both.ok_or(RunError::NoSurface)?;
+        let first = first.surface_mut().ok_or(RunError::NoSurface)?;
+        first.set_changes(&changes);
+        first.change(&surface, &from_later).ok_or(RunError::NoSurface)
+    }
+
+    /// The object of the same label, looked at as the first is.
+    fn object(&self, first: &InputObject) -> Result<Object, RunError> {
+        let measurement = first.local().comparable();
+        let object = match &self.content {
+            Content::Field(field) => measurement.prepare_field(field)?,
+            Content::Probability(image) => measurement.prepare_probability(image)?,
+            Content::Labels { image, segments, table } => {
+                let label = first.label.as_ref().ok_or(RunError::NoSurface)?;
+                measurement.prepare(mask_of(image, segments.as_ref(), table, label)?)?
+            }
+        };
+        Ok(object.under(first.control()))
+    }
+}
+
+impl Content {
+    fn of(input: &Opened, plan: &Plan) -> Result<Self, RunError> {
+        let source = &*input.source;
+        let mut slabs = Watched { slabs: source.slabs()?, input: input.name, control: input.control };
+        Ok(match plan.measurement.embedding {
+            EmbeddingKind::Given => Self::Field(field(source, &mut slabs)?),
+            EmbeddingKind::Probability => {
+                Self::Probability(Arc::new(ProbabilityImage::from_slabs(&mut slabs)?))
+            }
+            _ => {
+                let image = Box::new(LabelImage::from_slabs(&mut slabs)?);
+                Self::Labels { image, segments: source.segments(), table: source.label_table() }
+            }
+        })
+    }
+}
+
+fn mask_of(
+    image: &LabelImage,
+    segments: Option<&Segments>,
+    table: &LabelTable,
+    label: &LabelGroup,
+) -> Result<Mask, RunError> {
+    let selection = LabelSelection::Groups(vec![label.clone()]);
+    let found = Selected::of(&selection, image, segments).map_err(|error| with_name(error, table))?;
+    let values = found.into_iter().next().map_or_else(|| label.clone(), |object| object.values);
+    Ok(image.group_mask(&values))
+}
+
+/// An error of the later input.
+fn told_of(name: &str, error: RunError) -> RunError {
+    if error.is_stop() { error } else { RunError::Against { name: name.to_owned(), source: Box::new(error) } }
+}
