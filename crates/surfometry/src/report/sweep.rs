@@ -53,6 +53,8 @@ const STEPS: std::ops::RangeInclusive<i32> = -4..=4;
 const FEWEST: usize = 4;
 /// Relative differences that are none, where error bars are smaller.
 const SAME: f64 = 0.005;
+/// Relative differences that are some, however large error bars are.
+const OTHER: f64 = 0.02;
 /// Panels in which a plateau shows: V, A, M.
 const STEADY: usize = 3;
 
@@ -104,8 +106,11 @@ fn is_steady(values: &[Option<f64>], intervals: &[Option<f64>]) -> bool {
     let Some(values) = values.iter().copied().collect::<Option<Vec<f64>>>() else { return false };
     let Some(least) = values.iter().copied().reduce(f64::min) else { return false };
     let most = values.iter().copied().fold(least, f64::max);
-    let interval = intervals.iter().copied().flatten().reduce(f64::min).unwrap_or_default();
-    most - least <= (2.0 * interval).max(SAME * least.abs())
+    // Without a model of its error a value may not differ within others' bars.
+    let known = intervals.iter().map(|interval| interval.unwrap_or_default());
+    let interval = known.reduce(f64::min).unwrap_or_default();
+    let size = least.abs();
+    most - least <= (2.0 * interval).clamp(SAME * size, OTHER * size)
 }
 
 #[cfg(test)]
@@ -119,6 +124,8 @@ mod tests {
         assert!(is_steady(&some(&[100.0, 100.4, 100.1]), &[]));
         assert!(!is_steady(&some(&[100.0, 102.0]), &some(&[0.3, 5.0])));
         assert!(is_steady(&some(&[100.0, 102.0]), &some(&[1.1, 1.2])));
+        assert!(!is_steady(&some(&[100.0, 103.0]), &some(&[9.0, 9.0])));
+        assert!(!is_steady(&some(&[100.0, 102.0]), &[None, Some(3.0)]));
         assert!(!is_steady(&[Some(1.0), None], &[]));
         assert!(!is_steady(&[], &[]));
     }

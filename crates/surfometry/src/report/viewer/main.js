@@ -16,7 +16,7 @@ function show() {
   current?.leave();
   current = page.objects[number ?? -1] || single !== null ? new ObjectPage(single ?? number, page)
     : page.objects.length ? new Overview(page) : null;
-  main.replaceChildren(...[!(number > -1) && failuresSection(), current?.element, provenanceSection(page)].filter(Boolean));
+  main.replaceChildren(...[number === null && failuresSection(), current?.element, provenanceSection(page)].filter(Boolean));
   window.scrollTo(0, 0);
   const shown = current;
   shown?.fill().then(() => document.body.dataset.ready = "yes", error => main.prepend(element("p", { class: "trouble" }, String(error))));

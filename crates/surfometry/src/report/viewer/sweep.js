@@ -5,8 +5,8 @@ const LINE_COLORS = { original: "#0072b2", blurred: "#d55e00", voxels: "#666666"
 function sweepPart(sweep, sigma) {
   const { plateau } = sweep;
   const said = plateau
-    ? `Plateau: from σ = ${digits(plateau.from_mm, 3)} to ${digits(plateau.to_mm, 3)} mm volume, area and total mean curvature of the original object stay within their 95 % intervals (or 0.5 %): the choice of blur does not matter there.`
-    : "No plateau: at no four neighbouring blurs do volume, area and total mean curvature of the original object stay within their 95 % intervals (or 0.5 %).";
+    ? `Plateau: from σ = ${digits(plateau.from_mm, 3)} to ${digits(plateau.to_mm, 3)} mm volume, area and total mean curvature of the original object stay within their 95 % intervals (at least 0.5 %, at most 2 %): the choice of blur does not matter there.`
+    : "No plateau: at no four neighbouring blurs do volume, area and total mean curvature of the original object stay within their 95 % intervals (at least 0.5 %, at most 2 %).";
   const outside = plateau && (sigma < plateau.from_mm * 0.999 || sigma > plateau.to_mm * 1.001)
     && element("p", { class: "lead" }, `The numbers of this page are at σ = ${digits(sigma, 4)} mm, which lies outside it.`);
   const legend = Object.entries(LINE_COLORS).map(([name, color]) => {
