@@ -142,6 +142,7 @@ def report(
     curvature_sigma: str | None,
     path: str | PathLike[str],
     title: str | None,
+    date: str | None,
     command: str,
 ) -> None: ...
 def compare(

@@ -645,6 +645,7 @@ def report(
     spacing: float | Sequence[float] | None = None,
     *,
     title: str | None = None,
+    date: str | None = None,
     curvature_sigma: float | str | None = None,
     label: Labels | None = None,
     threshold: Threshold | None = None,
@@ -663,7 +664,11 @@ def report(
     threads: int | None = None,
     progress: Progress = None,
 ) -> None:
-    """Writes one HTML page: numbers, the surface to turn, distributions, slices, method and provenance.
+    """Writes one HTML page: numbers with error bars, the surface to turn, distributions, slices, topology, method.
+
+    Of an image of several objects it has a table to sort, search and filter, all of them in one scene, and a page
+    for each. The same image makes the same page. For display large surfaces have fewer triangles; numbers are
+    those of the whole surface.
 
     Parameters
     ----------
@@ -675,6 +680,9 @@ progress
         The page, written whole or not at all.
     title : str, optional
         Its heading.
+    date : str, optional
+        When the page was made, as it is to say. Without it a page tells no time, unless the environment has
+        SOURCE_DATE_EPOCH.
     curvature_sigma : float, {"auto", "local", "object"} or None
         As of `surface`.
 
@@ -689,4 +697,4 @@ progress
     command = f"surfometry.report of {known if isinstance(known, str) else known.name} in Python {sys.version.split()[0]}"
     with session(threads, progress) as running:
         request = Request(known, options, running)
-        _core.report(request, _scale(curvature_sigma), output, title, command)
+        _core.report(request, _scale(curvature_sigma), output, title, date, command)

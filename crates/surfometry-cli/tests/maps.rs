@@ -287,7 +287,7 @@ fn a_report_lists_what_failed() {
     let page = std::fs::read_to_string(folder.path().join("r.html")).unwrap();
     assert!(page.contains("A &amp; B") && page.contains("missing.nii") && page.contains("No such file"));
     assert!(page.contains("surfometry report") && page.contains("id=\"scene-1\""));
-    assert!(page.contains("What depends on the blur") && page.contains("total mean curvature (mm)"));
+    assert!(page.contains("\"used_mm\":") && page.contains("total mean curvature (mm)"));
     assert!(done.stdout.is_empty());
     let nothing = run_in(folder.path(), &["report", "missing.nii", "-o", "empty.html"]);
     assert_eq!(nothing.status.code(), Some(1));

@@ -19,6 +19,7 @@ pub(crate) fn report(
     curvature_sigma: Option<&str>,
     path: PathBuf,
     title: Option<String>,
+    date: Option<String>,
     command: String,
 ) -> PyResult<()> {
     let Request { image, options, session } = request;
@@ -36,7 +37,8 @@ pub(crate) fn report(
         if objects.is_empty() {
             return Err(no_object());
         }
-        let report = Report { title, objects, failures, provenance: Provenance::new(command, sources) };
+        let provenance = Provenance::new(command, sources).made_at(date);
+        let report = Report { title, objects, failures, provenance };
         let written = render(&report)
             .map_err(io::Error::other)
             .and_then(|text| write_whole(&path, |out| out.write_all(text.as_bytes())));

@@ -12,11 +12,12 @@ use surfometry::inputs::input_title;
 use surfometry::report::ReportTask;
 use surfometry::runs::Batch;
 
-/// Write one HTML page with the numbers, the surface to turn, its distributions, slices, method and
-/// provenance
+/// Write one HTML page: of each object its numbers with error bars and flags, the surface to turn, coloured by any of
+/// its quantities, distributions, slices, what changed its topology, method and provenance
 ///
-/// The page needs no network. Each object of each input gets a section; a page of more than a few dozen
-/// surfaces is slow in browsers.
+/// The page needs no network, and the same inputs make the same page. Of many objects it has a table to sort, search
+/// and filter, those of an image are shown together, and each has a page of its own. For display large surfaces have
+/// fewer triangles, those of many objects fewer still; numbers are always of the whole surface.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
     /// Files, patterns or phantoms
@@ -28,6 +29,10 @@ pub(crate) struct Args {
     /// Heading [default: the input's name]
     #[arg(long)]
     title: Option<String>,
+    /// When the page was made, as it is to say; without it a page tells no time, unless the environment has
+    /// SOURCE_DATE_EPOCH
+    #[arg(long, value_name = "TEXT")]
+    date: Option<String>,
     #[command(flatten)]
     curvature: CurvatureOptions,
     #[command(flatten)]
@@ -45,10 +50,10 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
         [one] => input_title(one),
         many => format!("{} images", many.len()),
     });
-    let mut page = PageSink::new(args.output.clone(), title);
+    let mut page = PageSink::new(args.output.clone(), title, args.date.clone());
     let finished = page.clone();
     before_the_end(move || finished.save());
-    let outcome = batch.run(&ReportTask::new(plan), &mut page)?;
+    let outcome = batch.run(&ReportTask::new(plan).of_inputs(inputs.len()), &mut page)?;
     if !page.finish(outcome.stopped)? {
         say(&format!("{}: not written, for there is nothing to show", args.output.display()));
         return Ok(if outcome.stopped { status(outcome) } else { SOME_FAILED });

@@ -17,6 +17,7 @@ pub(crate) struct PageSink(Arc<Mutex<Page>>);
 struct Page {
     path: PathBuf,
     title: String,
+    date: Option<String>,
     out: Option<ResultOutput>,
     objects: Vec<ObjectReport>,
     sources: Vec<HashedInput>,
@@ -24,9 +25,9 @@ struct Page {
 }
 
 impl PageSink {
-    pub(crate) fn new(path: PathBuf, title: String) -> Self {
-        let page =
-            Page { path, title, out: None, objects: Vec::new(), sources: Vec::new(), failures: Vec::new() };
+    pub(crate) fn new(path: PathBuf, title: String, date: Option<String>) -> Self {
+        let (objects, sources, failures) = (Vec::new(), Vec::new(), Vec::new());
+        let page = Page { path, title, date, out: None, objects, sources, failures };
         Self(Arc::new(Mutex::new(page)))
     }
 
@@ -57,7 +58,7 @@ impl Page {
             title: self.title.clone(),
             objects: std::mem::take(&mut self.objects),
             failures: self.failures.clone(),
-            provenance: Provenance::new(command.join(" "), self.sources.clone()),
+            provenance: Provenance::new(command.join(" "), self.sources.clone()).made_at(self.date.clone()),
         };
         let text = render(&report).map_err(io::Error::other);
         self.objects = report.objects;

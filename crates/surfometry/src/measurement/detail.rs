@@ -26,6 +26,19 @@ pub(super) struct WrongVoxels {
     faces: [u64; 3],
     /// |phi| and place of the one furthest from its side, the first along x, y, z of equals.
     deepest: Option<(f64, [i64; 3])>,
+    /// Where they are, in no order, where that is asked.
+    #[serde(skip)]
+    places: Vec<[i64; 3]>,
+}
+
+/// Voxels that an object's field puts on the wrong side of its surface, further than its shift and half a voxel explain, in
+/// order of x, y, z.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct WrongSides {
+    /// The object's, outside the surface: parts that are lost.
+    pub lost: Vec<[i64; 3]>,
+    /// The background's, inside the surface: gaps that are filled.
+    pub filled: Vec<[i64; 3]>,
 }
 
 /// By how much the curvature at a voxel may differ from that of the surface that the blur moved.
@@ -36,6 +49,12 @@ impl WrongVoxels {
         self.voxels += other.voxels;
         self.faces.iter_mut().zip(other.faces).for_each(|(faces, more)| *faces += more);
         self.deepen(other.deepest);
+        self.places.extend_from_slice(&other.places);
+    }
+
+    fn sorted_places(mut self) -> Vec<[i64; 3]> {
+        self.places.sort_unstable();
+        self.places
     }
 
     fn deepen(&mut self, other: Option<(f64, [i64; 3])>) {
@@ -64,6 +83,11 @@ impl Detail {
         self.lost.merge(&other.lost);
         self.filled.merge(&other.filled);
         self
+    }
+
+    /// Where, if the watch took that down.
+    pub(super) fn places(self) -> WrongSides {
+        WrongSides { lost: self.lost.sorted_places(), filled: self.filled.sorted_places() }
     }
 
     /// Surface that is lost with them, about, mm^2.
@@ -116,9 +140,16 @@ pub(super) struct Watch<'a> {
     shift_sigma: f64,
     /// |phi| beyond which there is no band.
     half_width: f64,
+    /// Whether the places of wrong voxels are wanted.
+    places: bool,
 }
 
 impl Watch<'_> {
+    /// The same, which also takes down where wrong voxels are.
+    pub(super) fn with_places(self) -> Self {
+        Self { places: true, ..self }
+    }
+
     pub(super) fn new<'a>(
         mask: &'a Mask,
         owned: IndexBox,
@@ -126,7 +157,7 @@ impl Watch<'_> {
         shift_sigma: f64,
         band: &Band,
     ) -> Watch<'a> {
-        Watch { mask, owned, spacing, shift_sigma, half_width: band.delta().half_width() }
+        Watch { mask, owned, spacing, shift_sigma, half_width: band.delta().half_width(), places: false }
     }
 
     /// What lies outside the box of the walk, where phi is known to be beyond the band.
@@ -229,5 +260,8 @@ impl Watch<'_> {
             }
         }
         side.deepen(Some((depth, voxel)));
+        if self.places {
+            side.places.push(voxel);
+        }
     }
 }

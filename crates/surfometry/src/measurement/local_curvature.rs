@@ -1,6 +1,7 @@
 //! Local curvature of the original object: which embedding, at which scale.
 
 use super::local_scales::may_be_noisy;
+use super::object::Content;
 use super::scheme::Scheme;
 use super::{Clip, EmbeddingKind, MeasureError, Measurement, Object, Parameters};
 use crate::accuracy::{PILOT_SPACINGS, auto_curvature_sigma, balanced_sigma, rms_spacing};
@@ -185,6 +186,28 @@ impl Measurement {
         let tiles = middle.0.limits(middle.1).tiles(TILE);
         let changes: Vec<[f64; 2]> = tiles.par_iter().map(of_tile).flatten().collect();
         Ok((changes.len() >= FEWEST_CHANGES).then(|| [0, 1].map(|n| trimmed_mean(&changes, n))))
+    }
+}
+
+impl Object {
+    /// The same object on the other side of the blur: of one that is blurred, the original surface at the scale that suits
+    /// the object ([`CurvatureScale::Object`]), with standard errors; of one that is given back, the blurred surface at
+    /// its sigma. `None` where nothing was blurred.
+    ///
+    /// # Errors
+    /// Those of [`Measurement::for_local_curvature`].
+    pub fn counterpart(&self) -> Result<Option<Self>, MeasureError> {
+        let measurement = &self.setup.measurement;
+        let object = match &self.content {
+            Content::Mask(_) if measurement.embedding == EmbeddingKind::Gaussian => {
+                measurement.for_local_curvature(&self.mask, CurvatureScale::Object)?.prepare(&self.mask)?
+            }
+            Content::Mask(_) | Content::Corrected(..) if measurement.embedding.is_corrected() => {
+                measurement.embedding(EmbeddingKind::Gaussian).prepare(&self.mask)?
+            }
+            _ => return Ok(None),
+        };
+        Ok(Some(object.under(&self.setup.control)))
     }
 }
 

@@ -28,6 +28,7 @@ mod warnings;
 
 pub use boxes::{BoxShare, DecodeError, MergeError, PartialMeasurement};
 pub use clip::{Clip, ClipSummary};
+pub use detail::WrongSides;
 #[cfg(feature = "io")]
 pub(crate) use explanation::Looked;
 pub use explanation::{ChangeStage, LocatedChange, TopologyExplanation, UNEXPLAINED, WeakestGradient};

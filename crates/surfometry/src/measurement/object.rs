@@ -1,6 +1,7 @@
 //! One object, ready for whatever is asked of it.
 
 use super::clip::MeasuredPart;
+use super::detail::{Watch, WrongSides};
 use super::evaluation::{OpenPart, Totals};
 use super::local_scales::AtScale;
 use super::pass::{ObjectSums, Pass};
@@ -246,15 +247,29 @@ impl Object {
         Some((self.scheme()?, 0.6 * slope * self.grid().spacing().geometric_mean()))
     }
 
-    /// What the tiles of the measured part add up to.
-    fn sums(&self, with_surface: bool) -> ObjectSums {
-        let region = self.region();
-        let watch = match &self.content {
-            Content::Mask(mask) => self.setup.watch(mask, region.unwrap_or(IndexBox::EVERYTHING)),
+    /// What compares its field with the voxels that it was made of.
+    fn watch(&self) -> Option<Watch<'_>> {
+        match &self.content {
+            Content::Mask(mask) => self.setup.watch(mask, self.region().unwrap_or(IndexBox::EVERYTHING)),
             Content::Corrected(mask, _) => self.setup.watch(mask.mask(), IndexBox::EVERYTHING),
             _ => None,
+        }
+    }
+
+    /// Voxels on the wrong side of the surface: what the blur took for good, and what it filled. None where there is
+    /// no blur of voxels, or where it leaves nothing.
+    pub fn wrong_sides(&self) -> WrongSides {
+        let pass = Pass {
+            region: self.region(),
+            watch: self.watch().map(Watch::with_places),
+            ..self.setup.pass(false)
         };
-        let pass = Pass { region, watch, ..self.setup.pass(with_surface) };
+        self.scheme().map(|scheme| scheme.sums(&pass).detail.places()).unwrap_or_default()
+    }
+
+    /// What the tiles of the measured part add up to.
+    fn sums(&self, with_surface: bool) -> ObjectSums {
+        let pass = Pass { region: self.region(), watch: self.watch(), ..self.setup.pass(with_surface) };
         self.scheme().map(|scheme| scheme.sums(&pass)).unwrap_or_default()
     }
 

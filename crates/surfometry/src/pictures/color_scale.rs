@@ -73,7 +73,7 @@ impl ColorScale {
     }
 
     /// `count` (at least 2) evenly spaced colours with their places, from 0 at the lower limit to 1 at the
-    /// upper: what plotly and others take as a colour scale.
+    /// upper: what viewers take as a colour scale.
     pub fn stops(&self, count: usize) -> Vec<(f64, [u8; 3])> {
         let [low, high] = self.limits();
         let last = count.max(2) - 1;

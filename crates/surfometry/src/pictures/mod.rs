@@ -34,8 +34,11 @@ mod ray_marching;
 mod scale_bar;
 mod shading;
 mod slice_picture;
+mod slice_plane;
 mod surface_picture;
 mod surface_rendering;
+#[cfg(feature = "report")]
+mod thumbnail;
 mod ticks;
 mod view;
 mod view_panels;
@@ -49,12 +52,18 @@ pub use euler_histogram::EulerHistogram;
 pub use figure::Figure;
 pub use histogram_picture::{HistogramPicture, HistogramSeries};
 pub use line_chart::{ChartLine, ChartPanel, LineChart};
+#[cfg(feature = "report")]
+pub(crate) use object_pictures::surroundings;
 pub use object_pictures::{PictureKind, PictureStyle, color_scale, picture};
 pub use quantity::Quantity;
 pub use raster::{Background, Raster};
 pub use slice_picture::{Slice, SlicePicture};
+#[cfg(feature = "report")]
+pub(crate) use slice_plane::SlicePlane;
 pub use surface_picture::SurfacePicture;
 pub use surface_rendering::{ColoredSurface, render_surface};
+#[cfg(feature = "report")]
+pub(crate) use thumbnail::thumbnail;
 #[cfg(feature = "report")]
 pub(crate) use ticks::significant;
 pub use view::{Basis, View};

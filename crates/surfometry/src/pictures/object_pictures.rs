@@ -1,6 +1,7 @@
 //! Pictures of a measured object.
 
 use super::contour::contour;
+use super::slice_plane::SlicePlane;
 use super::ticks::significant;
 use super::{
     ColorScale, Figure, HistogramPicture, HistogramSeries, PictureError, Quantity, ScaleKind, Slice,
@@ -184,7 +185,7 @@ fn histogram_figure(surface: &Surface, style: &PictureStyle, caption: &str) -> R
 }
 
 /// The object's box with some of the background around it.
-fn surroundings(object: &Object) -> IndexBox {
+pub(crate) fn surroundings(object: &Object) -> IndexBox {
     let spacing = object.grid().spacing().mm();
     let margin = object.parameters().sigma_mm.map_or(object.parameters().thickness_mm, |s| 2.5 * s);
     let halo = spacing.map(|h| (margin / h).ceil().max(3.0) as i64);
@@ -204,73 +205,27 @@ fn slices_figure(object: &Object, style: &PictureStyle, caption: &str) -> Result
     .figure()
 }
 
-/// Of a world axis: the name of the slices across it, and the directions at their left, right, bottom and
-/// top, as radiologists look at them.
-const PLANES: [(&str, [char; 4]); 3] =
-    [("Sagittal", ['A', 'P', 'I', 'S']), ("Coronal", ['R', 'L', 'I', 'S']), ("Axial", ['R', 'L', 'P', 'A'])];
-
-/// Cosine of the angle to a world axis, 5 degrees, beyond which a slice is called oblique.
-const NEARLY: f64 = 0.9962;
-
 /// The slice through the middle of the object's box, of those image slices that lie most nearly across a
 /// world axis.
 fn slice(object: &Object, world: usize) -> Option<Slice> {
-    let affine = object.grid().affine();
-    let axes = affine.nearest_axes();
-    let image_axis = |w: usize| axes.iter().position(|&a| a == w).unwrap_or(w);
-    let (plane, letters) = PLANES[world];
-    let across = image_axis(world);
-    // Slices are the image's own: of an oblique one they only come near the body's planes.
-    let straight = affine.linear[world][across].abs() > NEARLY * object.grid().spacing().mm()[across];
-    let near = if straight { "" } else { "Near " };
-    let (mut region, bounds) = (surroundings(object), object.mask().bounds());
-    let middle = i64::midpoint(bounds.lower[across], bounds.upper[across] - 1);
-    (region.lower[across], region.upper[across]) = (middle, middle + 1);
-    // Along u and v of the picture: the image axis, and whether it grows the other way.
-    let [u, v] = [letters[1], letters[3]].map(|letter| {
-        let (w, grows_positive) = world_direction(letter);
-        let axis = image_axis(w);
-        (axis, (affine.linear[w][axis] > 0.0) != grows_positive)
-    });
-    let size = [region.extent()[u.0], region.extent()[v.0]];
-    let phi = object.voxel_map(VoxelQuantity::Phi, &region)?;
-    let place = |(axis, reversed): (usize, bool), i: usize| {
-        if reversed { region.upper[axis] - 1 - i as i64 } else { region.lower[axis] + i as i64 }
-    };
-    let index = |n: usize| {
-        let mut index = region.lower;
-        index[u.0] = place(u, n % size[0]);
-        index[v.0] = place(v, n / size[0]);
-        index
-    };
-    let voxels = 0..size[0] * size[1];
-    let phi: Vec<f32> = voxels.clone().map(|n| phi.get(index(n))).collect();
-    let spacing = object.grid().spacing().mm();
-    let spacing = [spacing[u.0], spacing[v.0]];
+    let plane = SlicePlane::across(object.grid(), world, surroundings(object));
+    let bounds = object.mask().bounds();
+    let middle = i64::midpoint(bounds.lower[plane.axis], bounds.upper[plane.axis] - 1);
+    let phi = object.voxel_map(VoxelQuantity::Phi, &plane.region(middle))?;
+    let (size, spacing) = (plane.size(), plane.spacing());
+    let phi: Vec<f32> = plane.voxels(middle).map(|voxel| phi.get(voxel)).collect();
     Some(Slice {
-        name: format!("{near}{plane}, voxel {} = {middle}", ['x', 'y', 'z'][across]),
-        letters: letters.map(String::from),
+        name: format!("{}, voxel {} = {middle}", plane.name, ['x', 'y', 'z'][plane.axis]),
+        letters: plane.letters.map(String::from),
         size,
         spacing,
-        mask: voxels.map(|n| object.mask().get(index(n))).collect(),
+        mask: plane.voxels(middle).map(|voxel| object.mask().get(voxel)).collect(),
         contour: contour(&phi, size)
             .into_iter()
             .map(|ends| ends.map(|[u, v]| [u * spacing[0], v * spacing[1]]))
             .collect(),
         phi,
     })
-}
-
-/// The world axis that an anatomical letter lies on, and whether at its positive end.
-fn world_direction(letter: char) -> (usize, bool) {
-    match letter {
-        'R' => (0, true),
-        'L' => (0, false),
-        'A' => (1, true),
-        'P' => (1, false),
-        'S' => (2, true),
-        _ => (2, false),
-    }
 }
 
 fn volume_figure(object: &Object, surface: &Surface, style: &PictureStyle) -> Result<Figure, PictureError> {

@@ -1,8 +1,10 @@
-//! One HTML file that shows what was measured: numbers, a surface to turn, distributions, slices, method,
-//! provenance.
+//! One HTML file that shows what was measured: a table of all objects, and of each its numbers, surface,
+//! distributions, slices, topology, flags and method, with provenance.
 //!
-//! Everything that is shown stands in one serialisable [`Report`]; `report.html` is its only template. The
-//! file needs no network: plotly.js is inside.
+//! Everything that is shown stands in one serialisable [`Report`]; `report.html` is its only template, `viewer/` its
+//! program, plain JavaScript with WebGL 2. The file asks for nothing, and its policy lets the browser run nothing but this
+//! program. What is shown of an object is packed (`packed.rs`): quantised, and of large surfaces fewer triangles. That
+//! is for display alone; numbers are those of the whole surface.
 //!
 //! ```
 //! use surfometry::report::{Provenance, Report, ReportPart, ReportTask, render};
@@ -12,7 +14,7 @@
 //! let mut parts = Collected::default();
 //! batch.run(&ReportTask::new(Plan::default()), &mut parts)?;
 //! let objects = parts.results.into_iter().filter_map(|part| match part {
-//!     ReportPart::Object(section) => Some(*section),
+//!     ReportPart::Object(object) => Some(*object),
 //!     ReportPart::Source(_) => None,
 //! });
 //! let page = render(&Report {
@@ -26,17 +28,25 @@
 //! ```
 
 mod comparison_page;
-mod figures;
+mod display_mesh;
+mod nearest;
+mod object_report;
+mod packed;
+mod page_data;
+mod page_share;
 mod provenance;
 mod scene;
+mod slices;
+mod sweep;
 mod task;
 mod template;
+mod viewer;
 
 pub use crate::io::HashedFile;
 pub use comparison_page::{ComparisonPage, comparison_chart};
-pub use figures::ObjectReport;
+pub use object_report::ObjectReport;
 pub use provenance::{HashedInput, Provenance};
-pub use scene::{MOST_TRIANGLES, Scene};
+pub use sweep::{BlurSweep, Plateau, SweepLine, SweepPanel};
 pub use task::{ReportPart, ReportTask};
 pub use template::{render, render_comparison};
 
@@ -48,7 +58,7 @@ use serde::Serialize;
 pub struct Report {
     /// Heading.
     pub title: String,
-    /// One section each.
+    /// In the order of the inputs.
     pub objects: Vec<ObjectReport>,
     /// Inputs that could not be measured.
     pub failures: Vec<Failure>,

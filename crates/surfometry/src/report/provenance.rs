@@ -3,7 +3,7 @@
 use crate::io::{HashedFile, ReadError};
 use serde::Serialize;
 use std::path::PathBuf;
-use std::time::SystemTime;
+use std::time::{Duration, UNIX_EPOCH};
 
 /// How, from what and by what a report was made.
 #[derive(Debug, Clone, Serialize)]
@@ -12,17 +12,26 @@ pub struct Provenance {
     pub version: &'static str,
     /// The command as typed.
     pub command: String,
-    /// When, UTC (RFC 3339).
-    pub created: String,
+    /// When, as the maker says; `None` where nobody does, so that the same input makes the same page.
+    pub created: Option<String>,
     /// The inputs.
     pub sources: Vec<HashedInput>,
 }
 
 impl Provenance {
-    /// Of a command that starts now.
+    /// Of a command: of no time, or of that in the environment's `SOURCE_DATE_EPOCH`, seconds since 1970, by which
+    /// builds that can be repeated say when they were made.
     pub fn new(command: String, sources: Vec<HashedInput>) -> Self {
-        let created = humantime::format_rfc3339_seconds(SystemTime::now()).to_string();
+        let epoch = std::env::var("SOURCE_DATE_EPOCH").ok().and_then(|seconds| seconds.parse().ok());
+        let time = epoch.and_then(|seconds| UNIX_EPOCH.checked_add(Duration::from_secs(seconds)));
+        let created = time.map(|time| humantime::format_rfc3339_seconds(time).to_string());
         Self { version: env!("CARGO_PKG_VERSION"), command, created, sources }
+    }
+
+    /// The same with a date, or whatever says when.
+    #[must_use]
+    pub fn made_at(self, date: Option<String>) -> Self {
+        Self { created: date.or(self.created), ..self }
     }
 }
 

@@ -1,56 +1,55 @@
 //! Inputs to the parts of a page.
 
-use super::{HashedInput, MOST_TRIANGLES, ObjectReport};
+use super::{HashedInput, ObjectReport};
 use crate::inputs::InputError;
 use crate::runs::{Item, Opened, Plan, Reading, RunError, Task};
-use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Measures and draws every selected object of an input.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub struct ReportTask {
     /// What is asked.
     pub plan: Plan,
-    /// Triangles of the surfaces that can be turned so far.
-    shown: AtomicU64,
+    /// Inputs of the page.
+    inputs: usize,
 }
 
 /// What a page is made of.
 #[derive(Debug)]
 pub enum ReportPart {
-    /// A section.
+    /// An object.
     Object(Box<ObjectReport>),
-    /// An input of which there are sections.
+    /// An input of which there are objects.
     Source(HashedInput),
 }
 
 impl ReportTask {
-    /// By a plan.
+    /// By a plan, of a page of one input.
     pub fn new(plan: Plan) -> Self {
-        Self { plan, shown: AtomicU64::new(0) }
+        Self { plan, inputs: 1 }
+    }
+
+    /// The same for a page of so many inputs: each has the same share of what a page can show, and so has each object
+    /// of an input, so that what is shown of one does not depend on the others.
+    #[must_use]
+    pub fn of_inputs(self, inputs: usize) -> Self {
+        Self { inputs: inputs.max(1), ..self }
     }
 }
 
 impl Task for ReportTask {
     type Row = ReportPart;
 
-    /// Which surfaces a page has room for depends on those before.
-    fn side_by_side(&self) -> bool {
-        false
-    }
-
     fn run(&self, input: &Opened, out: &mut dyn FnMut(Item<ReportPart>)) -> Result<(), RunError> {
         input.begin_hashing();
         let reading = Reading::of(input, &self.plan)?;
+        let objects = self.inputs * reading.count().max(1);
         for object in reading.objects() {
-            let room = MOST_TRIANGLES.saturating_sub(self.shown.load(Ordering::Relaxed) as usize);
             let object = object?;
             object.surface();
             input.control.check()?;
-            let section = ObjectReport::of(&object, room)?;
+            let part = ObjectReport::of(&object, objects)?;
             input.control.check()?;
-            let shown = section.triangles().filter(|_| section.scene.is_some());
-            self.shown.fetch_add(shown.unwrap_or_default(), Ordering::Relaxed);
-            out(Item::Row(ReportPart::Object(Box::new(section))));
+            out(Item::Row(ReportPart::Object(Box::new(part))));
         }
         let source = match input.hashed_files() {
             Some(files) => HashedInput { input: input.name.to_owned(), files: files.to_vec() },

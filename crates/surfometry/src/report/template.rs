@@ -1,24 +1,44 @@
 //! From the context to the page.
 
+use super::page_data::page_json;
+use super::viewer::program;
 use super::{ComparisonPage, Report};
 use crate::pictures::significant;
-use flate2::read::GzDecoder;
+use base64::Engine;
+use base64::prelude::BASE64_STANDARD;
 use minijinja::value::{Serde, Value};
-use minijinja::{Environment, Error, context};
-use std::io::Read;
+use minijinja::{Environment, Error, ErrorKind, context};
+use sha2::{Digest, Sha256};
 
 const PAGE: &str = include_str!("report.html");
 const COMPARISON: &str = include_str!("comparison.html");
 const STYLE: &str = include_str!("page.css");
-const PLOTLY: &[u8] = include_bytes!("plotly/plotly-gl3d.min.js.gz");
+const VIEWER_STYLE: &str = include_str!("viewer/viewer.css");
 
 /// The page of a report.
 ///
 /// # Errors
 /// None that data can cause: the template is tested.
 pub fn render(report: &Report) -> Result<String, Error> {
-    let page = context! { report => Value::from(Serde(report)), plotly => plotly() };
+    let data = page_json(report).map_err(|error| {
+        Error::new(ErrorKind::BadSerialization, "the report's numbers").with_source(error)
+    })?;
+    let (script, style) = (program(), format!("{STYLE}{VIEWER_STYLE}"));
+    let scenes: Vec<Option<&str>> = report.objects.iter().map(|object| object.scene.as_deref()).collect();
+    let page = context! {
+        title => &report.title,
+        version => report.provenance.version,
+        script_hash => hash(&script),
+        style_hash => hash(&style),
+        scenes => Value::from(Serde(&scenes)),
+        script, style, data,
+    };
     environment()?.template_from_named_str("report.html", PAGE)?.render(page)
+}
+
+/// What a content security policy knows a script or style by.
+fn hash(text: &str) -> String {
+    format!("sha256-{}", BASE64_STANDARD.encode(Sha256::digest(text.as_bytes())))
 }
 
 /// The page of a comparison.
@@ -43,13 +63,6 @@ fn environment() -> Result<Environment<'static>, Error> {
 fn p_value(value: &Value) -> String {
     let text = |p: f64| if p < 1e-4 { "< 0.0001".to_owned() } else { significant(p, 2) };
     f64::try_from(value.clone()).ok().filter(|p| p.is_finite()).map_or_else(|| "–".to_owned(), text)
-}
-
-/// plotly.js, its bundle for surfaces in space (`scripts/plotly` fetches it).
-fn plotly() -> String {
-    let mut script = String::new();
-    GzDecoder::new(PLOTLY).read_to_string(&mut script).expect("the text that was built in");
-    script
 }
 
 /// Three decimals, as a number that is to be read as a whole one wants; a dash for null.
@@ -89,8 +102,8 @@ mod tests {
     use crate::runs::Failure;
 
     #[test]
-    fn text_is_escaped_and_only_one_library_is_inside() {
-        let failure = Failure::new("<script>alert(1)</script>.nii", &"no such file");
+    fn text_is_escaped_and_only_the_program_may_run() {
+        let failure = Failure::new("<script>alert(1)</script>.nii", &"<!-- no such file");
         let report = Report {
             title: "a & b <u>".to_owned(),
             objects: Vec::new(),
@@ -98,11 +111,18 @@ mod tests {
             provenance: Provenance::new("surfometry report '<i>'".to_owned(), Vec::new()),
         };
         let page = render(&report).unwrap();
-        assert!(!page.contains("<script>alert") && !page.contains("<u>") && !page.contains("'<i>'"));
-        assert!(page.contains("a &amp; b &lt;u&gt;") && page.contains("plotly.js (gl3d"));
-        // The library's element and the page's own; nothing ends them early.
-        assert_eq!((page.matches("<script>").count(), page.matches("</script>").count()), (2, 2));
-        assert!(!page.contains("<script src=") && page.len() < 2_000_000);
+        assert!(!page.contains("<script>alert") && !page.contains("<u>") && !page.contains("<i>"));
+        assert!(page.contains("<title>a &amp; b &lt;u&gt;</title>") && !page.contains("<!-- no"));
+        // The data and the program; nothing ends them early.
+        assert_eq!((page.matches("<script").count(), page.matches("</script>").count()), (2, 2));
+        let policy = "default-src 'none'; script-src 'sha256-";
+        assert!(page.contains(policy) && page.len() < 130_000, "{}", page.len());
+        // The policy's hashes are those of the elements' texts as they stand.
+        let inside = |tag: &str| {
+            let start = page.find(&format!("<{tag}>")).unwrap() + tag.len() + 2;
+            &page[start..start + page[start..].find(&format!("</{tag}>")).unwrap()]
+        };
+        assert!(["script", "style"].iter().all(|tag| page.contains(&hash(inside(tag)))));
     }
 
     #[test]

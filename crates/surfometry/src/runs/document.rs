@@ -183,13 +183,10 @@ impl<R: Row> CsvSink<R> {
     /// # Errors
     /// Whatever keeps it from being written.
     pub fn new(out: ResultOutput) -> io::Result<Self> {
-        let mut columns = R::columns();
-        columns.push("error".to_owned());
         let mut out = csv::Writer::from_writer(out);
-        out.write_record(&columns)?;
+        out.write_record(header::<R>())?;
         out.flush()?;
-        let columns = columns.into_iter().enumerate().map(|(place, name)| (name, place)).collect();
-        Ok(Self { out, columns, of: PhantomData })
+        Ok(Self { out, columns: places::<R>(), of: PhantomData })
     }
 
     /// The output, all written.
@@ -201,13 +198,7 @@ impl<R: Row> CsvSink<R> {
     }
 
     fn write(&mut self, record: Value) -> io::Result<()> {
-        let mut cells = vec![String::new(); self.columns.len()];
-        each_field(&mut String::new(), record, &mut |name, value| {
-            if let Some(&place) = self.columns.get(name) {
-                cells[place] = cell(value);
-            }
-        });
-        self.out.write_record(cells)?;
+        self.out.write_record(cells(&self.columns, record))?;
         self.out.flush()
     }
 }
@@ -220,6 +211,42 @@ impl<R: Row> Sink<R> for CsvSink<R> {
     fn failure(&mut self, failure: Failure) -> io::Result<()> {
         self.write(serde_json::to_value(failure)?)
     }
+}
+
+fn header<R: Row>() -> Vec<String> {
+    let mut columns = R::columns();
+    columns.push("error".to_owned());
+    columns
+}
+
+/// Where each column is.
+fn places<R: Row>() -> HashMap<String, usize> {
+    header::<R>().into_iter().enumerate().map(|(place, name)| (name, place)).collect()
+}
+
+/// A row's cells.
+fn cells(columns: &HashMap<String, usize>, record: Value) -> Vec<String> {
+    let mut cells = vec![String::new(); columns.len()];
+    each_field(&mut String::new(), record, &mut |name, value| {
+        if let Some(&place) = columns.get(name) {
+            cells[place] = cell(value);
+        }
+    });
+    cells
+}
+
+/// The lines of a table of records: its header, then one each.
+#[cfg(feature = "report")]
+pub(crate) fn csv_lines<R: Row>(records: Vec<Value>) -> io::Result<Vec<String>> {
+    let columns = places::<R>();
+    let line = |cells: Vec<String>| {
+        let mut out = csv::Writer::from_writer(Vec::new());
+        out.write_record(cells)?;
+        let bytes = out.into_inner().map_err(csv::IntoInnerError::into_error)?;
+        String::from_utf8(bytes).map_err(io::Error::other)
+    };
+    let rows = records.into_iter().map(|record| cells(&columns, record));
+    std::iter::once(header::<R>()).chain(rows).map(line).collect()
 }
 
 fn cell(value: Value) -> String {

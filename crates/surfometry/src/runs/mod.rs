@@ -59,6 +59,8 @@ pub use choices::Choices;
 pub use cohort_files::{CohortFile, write_cohort, write_zoo};
 pub use cure::Cure;
 pub(crate) use document::FORMULA;
+#[cfg(feature = "report")]
+pub(crate) use document::csv_lines;
 pub use document::{CsvSink, DocumentForm, JsonLinesSink, JsonSink, Row};
 pub use embed::{EmbedTask, EmbeddedObject};
 pub use error::RunError;

@@ -1,0 +1,173 @@
+//! Slices through an object: mask, embedding and curvature.
+
+use super::packed::{Packed, Packer};
+use crate::measurement::{Object, VoxelQuantity};
+use crate::pictures::{SlicePlane, surroundings};
+use serde::Serialize;
+
+/// Slices in one direction, u to the right and v upward.
+#[derive(Debug, Serialize)]
+pub(super) struct SliceStack {
+    name: String,
+    /// Directions at the left, right, bottom and top.
+    letters: [char; 4],
+    /// The image axis that the slices lie across, as a letter.
+    axis: char,
+    /// Which voxels the slices are at, ascending.
+    slices: Vec<i64>,
+    /// The place in `slices` of the one nearest to the object's centre of those that meet it.
+    first: usize,
+    /// Pixels along u and v, each a voxel of so many.
+    size: [usize; 2],
+    every: usize,
+    /// Between pixels, mm.
+    spacing: [f64; 2],
+    /// The voxels of the first pixel and of those after it along u and v, in the first slice.
+    corner: [i64; 3],
+    along: [[i64; 3]; 2],
+    /// Slices one after the other, u fastest: 1 in the object.
+    mask: Packed,
+    /// [`phi_of`] a byte.
+    phi: Packed,
+    /// H in the band: -`limit` to `limit` 1/mm as 1 to 255, 0 elsewhere.
+    curvature: Packed,
+    limit: f64,
+}
+
+/// Most slices in one direction.
+const MOST: usize = 61;
+
+/// The three directions' slices, of at most so many pixels; none where nothing was left to embed.
+pub(super) fn slice_stacks(
+    packer: &mut Packer,
+    object: &Object,
+    reach: f64,
+    pixels: usize,
+) -> Vec<SliceStack> {
+    let directions = [2, 1, 0];
+    let planes = directions.map(|world| SlicePlane::across(object.grid(), world, surroundings(object)));
+    planes.into_iter().filter_map(|plane| stack(packer, object, &plane, reach, pixels / 3)).collect()
+}
+
+fn stack(
+    packer: &mut Packer,
+    object: &Object,
+    plane: &SlicePlane,
+    reach: f64,
+    pixels: usize,
+) -> Option<SliceStack> {
+    let [width, height] = plane.size();
+    let every = (1..).find(|&n| width.div_ceil(n) * height.div_ceil(n) <= pixels.max(64)).unwrap_or(1);
+    let size = [width.div_ceil(every), height.div_ceil(every)];
+    let (slices, first) = chosen(object, plane.axis, (pixels / (size[0] * size[1])).clamp(1, MOST));
+    let voxels = |slice: i64| {
+        (0..size[0] * size[1])
+            .map(move |n| plane.voxel(slice, [every * (n % size[0]), every * (n / size[0])]))
+    };
+    let (mut mask, mut phi, mut curvature) = (Vec::new(), Vec::new(), Vec::new());
+    for &slice in &slices {
+        let region = plane.region(slice);
+        let values = object.voxel_map(VoxelQuantity::Phi, &region)?;
+        let mean = object.voxel_map(VoxelQuantity::MeanCurvature, &region)?;
+        mask.extend(voxels(slice).map(|voxel| u8::from(object.mask().get(voxel))));
+        phi.extend(voxels(slice).map(|voxel| phi_byte(values.get(voxel).into(), reach)));
+        curvature.extend(voxels(slice).map(|voxel| mean.get(voxel)));
+    }
+    let limit = limit(&curvature);
+    let byte = |h: &f32| if *h == 0.0 { 0 } else { curvature_byte(f64::from(*h) / limit) };
+    let curvature: Vec<u8> = curvature.iter().map(byte).collect();
+    let corner = plane.voxel(slices[0], [0, 0]);
+    let along = [[every, 0], [0, every]].map(|place| {
+        let there = plane.voxel(slices[0], place);
+        [0, 1, 2].map(|a| there[a] - corner[a])
+    });
+    Some(SliceStack {
+        name: plane.name.clone(),
+        letters: plane.letters,
+        axis: ['x', 'y', 'z'][plane.axis],
+        slices,
+        first,
+        size,
+        every,
+        spacing: plane.spacing().map(|h| h * every as f64),
+        corner,
+        along,
+        mask: packer.bytes(&mask),
+        phi: packer.bytes(&phi),
+        curvature: packer.bytes(&curvature),
+        limit,
+    })
+}
+
+/// Slices evenly through an object, one of them nearest to its centre, and which that is.
+fn chosen(object: &Object, axis: usize, count: usize) -> (Vec<i64>, usize) {
+    let bounds = object.mask().bounds();
+    let meets = |slice: &i64| {
+        let mut region = bounds;
+        (region.lower[axis], region.upper[axis]) = (*slice, slice + 1);
+        object.mask().uniform_in(&region) != Some(false)
+    };
+    let all: Vec<i64> = (bounds.lower[axis]..bounds.upper[axis]).filter(meets).collect();
+    let centre = centre(object, axis);
+    let middle = (0..all.len()).min_by(|&a, &b| {
+        let away = |n: usize| (all[n] as f64 - centre).abs();
+        away(a).total_cmp(&away(b))
+    });
+    let middle = middle.unwrap_or_default();
+    let every = all.len().div_ceil(count).max(1);
+    let offset = middle % every;
+    (all.iter().copied().skip(offset).step_by(every).take(count.max(1)).collect(), middle / every)
+}
+
+/// Mean index of an object's voxels along an axis.
+fn centre(object: &Object, axis: usize) -> f64 {
+    let (mut count, mut sum) = (0.0, 0.0);
+    let bounds = object.mask().bounds();
+    for (y, z) in bounds.rows() {
+        for (a, b) in object.mask().runs_within(y, z, (bounds.lower[0], bounds.upper[0])) {
+            let voxels = (b - a) as f64;
+            count += voxels;
+            sum += voxels * [0.5 * (a + b - 1) as f64, y as f64, z as f64][axis];
+        }
+    }
+    sum / f64::max(count, 1.0)
+}
+
+/// Largest magnitude of H that is told apart: that of 98 % of the voxels with one.
+fn limit(curvature: &[f32]) -> f64 {
+    let mut known: Vec<f32> = curvature.iter().filter(|h| **h != 0.0).map(|h| h.abs()).collect();
+    if known.is_empty() {
+        return 1.0;
+    }
+    let place = (0.98 * (known.len() - 1) as f64) as usize;
+    f64::from(*known.select_nth_unstable_by(place, f32::total_cmp).1)
+}
+
+fn curvature_byte(share: f64) -> u8 {
+    libm::round(128.0 + 127.0 * share.clamp(-1.0, 1.0)) as u8
+}
+
+/// Phi in 256 steps from `-reach` to `reach`, 0 between the two in the middle, so that no sign is lost.
+fn phi_byte(phi: f64, reach: f64) -> u8 {
+    libm::floor(128.0 * (1.0 + phi / reach)).clamp(0.0, 255.0) as u8
+}
+
+/// The phi in the middle of a step.
+pub(super) fn phi_of(byte: u8, reach: f64) -> f64 {
+    ((f64::from(byte) + 0.5) / 128.0 - 1.0) * reach
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn steps_keep_signs_and_are_even() {
+        for phi in [-0.7, -0.3, -1e-9, 0.0, 1e-9, 0.2, 0.9] {
+            let byte = phi_byte(phi, 0.5);
+            assert_eq!(phi < 0.0, phi_of(byte, 0.5) < 0.0, "{phi}");
+            assert!((phi_of(byte, 0.5) - f64::clamp(phi, -0.5, 0.5)).abs() <= 0.5 / 256.0 + 1e-12);
+        }
+        assert_eq!([-1.0, 0.0, 1.0].map(curvature_byte), [1, 128, 255]);
+    }
+}
