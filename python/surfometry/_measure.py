@@ -16,7 +16,7 @@ from . import _core
 from ._adapters import image_of, readable
 from ._errors import InputError, ParameterError, SurfometryWarning
 from ._image import Image, names_of, spacing_words
-from ._options import Labels, Length, Names, Threshold, chosen, options_of
+from ._options import Labels, Length, Names, Samples, Threshold, chosen, options_of
 from ._results import Flag, Measurement, flags_of, warn_of
 from ._session import Progress, Request, several_objects, session
 from ._surface import Surface, surface_of
@@ -77,6 +77,8 @@ def measure(
     padding: float | str | None = None,
     paper: bool = False,
     explain: bool = False,
+    regions: str | PathLike[str] | None = None,
+    interfaces: bool = False,
     names: Names | None = None,
     name: str | None = None,
     threads: int | None = None,
@@ -116,6 +118,11 @@ def measure(
         As of the command line, by the same words.
     explain : bool
         Whether it is looked into where blur and band change topology.
+    regions : path, optional
+        A label image in a file, on any lattice, whose labels are regions: the object's numbers by region as well, in
+        `regions` of the result.
+    interfaces : bool
+        Whether the contacts of the object with other labels and background are measured, in `interfaces` of the result.
     names : mapping or path, optional
         Names of labels, which win over the image's own: from labels to names, or a table in a file, as ``surfometry measure
         --names`` takes it.
@@ -383,6 +390,8 @@ def surface(
     clip: str | None = None,
     padding: float | str | None = None,
     paper: bool = False,
+    regions: str | PathLike[str] | None = None,
+    sample: Samples | None = None,
     names: Names | None = None,
     name: str | None = None,
     threads: int | None = None,
@@ -398,6 +407,12 @@ sigma, thickness, level, embedding, derivatives, clip, padding, paper, names, na
     curvature_sigma : float, {"auto", "local", "object"} or None
         Blur in mm of the corrected embedding in which curvature is that of the object as segmented, or how it is chosen:
         at each vertex ("auto", "local") or once, which is faster ("object"). None maps the surface as it is measured.
+    regions : path, optional
+        A label image in a file, on any lattice, whose labels are regions: distributions by region as well, in
+        ``curvature["region_distributions"]`` of the result.
+    sample : path, sequence of paths or mapping, optional
+        Volumes in files, on any lattice, whose values are put on the vertices, linear between voxels: arrays by the names
+        of the files, or by the mapping's; how they go with curvature is in ``curvature["samples"]`` of the result.
 
     Returns
     -------

@@ -4,6 +4,7 @@ mod comparison_text;
 mod description_text;
 mod map_sink;
 mod page_sink;
+mod parts_text;
 mod results;
 mod sweep_table;
 mod table;

@@ -1,5 +1,6 @@
 //! Results as a table for people.
 
+use super::parts_text::parts_text;
 use super::{Legend, TableStyle};
 use comfy_table::{CellAlignment, Table, presets};
 use std::fmt::Write;
@@ -78,7 +79,8 @@ fn input_text(records: &[Record], explain: bool) -> String {
         layout.rows(rows(record, explain));
     }
     let changes = if explain { changes_text(records) } else { String::new() };
-    heading(records) + &layout.text() + &changes + &flags_text(&records.iter().collect::<Vec<_>>())
+    let parts = parts_text(records);
+    heading(records) + &layout.text() + &changes + &parts + &flags_text(&records.iter().collect::<Vec<_>>())
 }
 
 /// Where the topology of the objects changes, place by place.

@@ -100,6 +100,16 @@ pub enum RunError {
         /// The other.
         second: LabelGroup,
     },
+    /// An image that is read beside the inputs.
+    #[error("{what} {file}: {source}")]
+    Beside {
+        /// What it is for.
+        what: &'static str,
+        /// Its name.
+        file: String,
+        /// Why.
+        source: Box<RunError>,
+    },
     /// What cannot be done with the input.
     #[error("{0}")]
     Unfit(&'static str),

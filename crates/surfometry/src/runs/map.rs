@@ -50,7 +50,7 @@ impl Task for MapTask {
             input.control.check()?;
             let written = self.write(input, &object, &files, out);
             input.control.check()?;
-            let record = SurfaceRecord::new(object.record(), object.surface());
+            let record = SurfaceRecord::of(&object);
             out(Item::Row(SurfaceRecord { files: written, ..record }));
         }
         Ok(())

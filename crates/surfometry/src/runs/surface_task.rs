@@ -41,7 +41,7 @@ impl Task for SurfaceTask {
             let object = object?;
             object.surface();
             input.control.check()?;
-            let (title, record) = (object.title(), SurfaceRecord::new(object.record(), object.surface()));
+            let (title, record) = (object.title(), SurfaceRecord::of(&object));
             input.control.check()?;
             out(Item::Row(MappedSurface { title, record, surface: object.into_surface() }));
         }
