@@ -20,7 +20,7 @@ from ._errors import (
 )
 from ._image import Image
 from ._measure import compare, measure, measure_labels, phantom, read, reference, report, surface, sweep, voxel_maps
-from ._results import Flag, Measurement, Topology, Values
+from ._results import Flag, Interface, Measurement, Region, Topology, Values
 from ._surface import Surface
 
 __all__ = [
@@ -30,9 +30,11 @@ __all__ = [
     "Flag",
     "Image",
     "InputError",
+    "Interface",
     "InternalError",
     "Measurement",
     "ParameterError",
+    "Region",
     "Surface",
     "SurfometryWarning",
     "Topology",

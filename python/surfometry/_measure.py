@@ -16,7 +16,7 @@ from . import _core
 from ._adapters import image_of, readable
 from ._errors import InputError, ParameterError, SurfometryWarning
 from ._image import Image, names_of, spacing_words
-from ._options import Labels, Length, Names, Threshold, chosen, options_of
+from ._options import Labels, Length, Names, Samples, Threshold, chosen, options_of
 from ._results import Flag, Measurement, flags_of, warn_of
 from ._session import Progress, Request, several_objects, session
 from ._surface import Surface, surface_of
@@ -83,6 +83,8 @@ def measure(
     padding: float | str | None = None,
     paper: bool = False,
     explain: bool = False,
+    regions: str | PathLike[str] | None = None,
+    interfaces: bool = False,
     names: Names | None = None,
     name: str | None = None,
     threads: int | None = None,
@@ -122,6 +124,11 @@ def measure(
         As of the command line, by the same words.
     explain : bool
         Whether it is looked into where blur and band change topology.
+    regions : path, optional
+        A label image in a file, on any lattice, whose labels are regions: the object's numbers by region as well, in
+        `regions` of the result.
+    interfaces : bool
+        Whether the contacts of the object with other labels and background are measured, in `interfaces` of the result.
     names : mapping or path, optional
         Names of labels, which win over the image's own: from labels to names, or a table in a file, as ``surfometry measure
         --names`` takes it.
@@ -389,6 +396,8 @@ def surface(
     clip: str | None = None,
     padding: float | str | None = None,
     paper: bool = False,
+    regions: str | PathLike[str] | None = None,
+    sample: Samples | None = None,
     names: Names | None = None,
     name: str | None = None,
     against: object = None,
@@ -410,6 +419,12 @@ sigma, thickness, level, embedding, derivatives, clip, padding, paper, names, na
         ``distance_mm``, the distance to the object of the same label there, positive where that lies outside,
         ``mean_curvature_change_per_mm``, and their standard errors, which are what two masks of one object would differ by;
         ``curvature["against"]`` has means, quantiles and what is beyond noise. Choices, ``spacing`` too, are those of both.
+    regions : path, optional
+        A label image in a file, on any lattice, whose labels are regions: distributions by region as well, in
+        ``curvature["region_distributions"]`` of the result.
+    sample : path, sequence of paths or mapping, optional
+        Volumes in files, on any lattice, whose values are put on the vertices, linear between voxels: arrays by the names
+        of the files, or by the mapping's; how they go with curvature is in ``curvature["samples"]`` of the result.
 
     Returns
     -------

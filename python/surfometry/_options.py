@@ -18,6 +18,9 @@ Threshold: TypeAlias = str | tuple[float | None, float | None]
 #: A length in mm, ``"auto"``, or lengths of labels of their own; those of all others under ``"all"``.
 Length: TypeAlias = float | str | Mapping[LabelKey, float | str]
 
+#: A volume that is put on a surface, in a file; several; or names of arrays and such.
+Samples: TypeAlias = str | PathLike[str] | Sequence[str | PathLike[str]] | Mapping[str, str | PathLike[str]]
+
 #: Names of labels, or a table of them in a file.
 Names: TypeAlias = Mapping[int, str] | str | PathLike[str]
 
@@ -32,7 +35,8 @@ def chosen(local: Mapping[str, object]) -> dict[str, object]:
     """The arguments that choose how objects are measured, under the names of the command line's options."""
     names = (
         "label", "sigma", "thickness", "epsilon", "level", "embedding", "derivatives", "quadrature", "delta", "clip",
-        "padding", "paper", "explain", "per_component", "threshold", "fill_cavities", "largest_component",
+        "padding", "paper", "explain", "per_component", "threshold", "fill_cavities", "largest_component", "regions",
+        "interfaces", "sample",
     )  # fmt: skip
     return {name: local[name] for name in names if name in local}
 
@@ -104,4 +108,20 @@ def _names(name: str, value: object) -> str:
     return fspath(value)
 
 
-_WORDS = {"threshold": _range, "label": _labels, "names": _names, "sigma": _length, "thickness": _length, "spacing": _triple}
+def _file(name: str, value: object) -> str:
+    if not isinstance(value, (str, PathLike)):
+        raise ParameterError(f"{name}: give the path of an image, not a {type(value).__name__}", field=name)
+    return fspath(value)
+
+
+def _samples(name: str, value: object) -> str:
+    if isinstance(value, Mapping):
+        return "\n".join(f"{called}={_file(name, volume)}" for called, volume in value.items())
+    several = value if isinstance(value, Iterable) and not isinstance(value, (str, PathLike)) else [value]
+    return "\n".join(_file(name, volume) for volume in several)
+
+
+_WORDS = {
+    "regions": _file, "sample": _samples, "threshold": _range, "label": _labels, "names": _names, "sigma": _length,
+    "thickness": _length, "spacing": _triple,
+}  # fmt: skip

@@ -102,6 +102,53 @@ class Topology:
     euler_characteristic_expected: float | None
 
 
+@dataclass(frozen=True)
+class Region:
+    """The part of an object in one region; the parts of an object add up to it.
+
+    Attributes
+    ----------
+    region : int
+        Its label; 0 of what lies in none.
+    name : str or None
+        Its name, where it has one.
+    voxels : int
+        The object's voxels there.
+    values, standard_error, blurred : Values
+        As of the object.
+    """
+
+    region: int
+    name: str | None
+    voxels: int
+    values: Values
+    standard_error: Values
+    blurred: Values
+
+
+@dataclass(frozen=True)
+class Interface:
+    """The contact of two labels; the normal points from the first to the second.
+
+    Attributes
+    ----------
+    labels : tuple
+        The two, the lower first; 0 is background.
+    names : tuple
+        Their names, None where there is none.
+    values, standard_error : Values
+        Area, integral and mean of H; the others are None.
+    curvature_share : float
+        Share of the area over which curvature was measured.
+    """
+
+    labels: tuple[int | str, ...]
+    names: tuple[str | None, ...]
+    values: Values
+    standard_error: Values
+    curvature_share: float
+
+
 class Measurement:
     """The numbers of one object, of its surface as it was segmented unless ``surface`` says otherwise.
 
@@ -205,6 +252,41 @@ class Measurement:
     def flags(self) -> tuple[Flag, ...]:
         """What the numbers cannot say."""
         return flags_of(self._record["flags"])
+
+    @property
+    def regions(self) -> tuple[Region, ...] | None:
+        """The parts of the object by regions; None where there are no regions."""
+        parts = self._record.get("regions")
+        if parts is None:
+            return None
+        return tuple(
+            Region(
+                part["region"],
+                part["name"],
+                part["voxels"],
+                Values.of(part),
+                Values.of(part["standard_error"]),
+                Values.of(part["blurred"]),
+            )
+            for part in parts
+        )
+
+    @property
+    def interfaces(self) -> tuple[Interface, ...] | None:
+        """The contacts of the object with other labels and background; None where they were not asked for."""
+        found = self._record.get("interfaces")
+        if found is None:
+            return None
+        return tuple(
+            Interface(
+                tuple(contact["labels"]),
+                tuple(contact["names"]),
+                Values.of(contact),
+                Values.of(contact["standard_error"]),
+                contact["curvature_share"],
+            )
+            for contact in found
+        )
 
     def to_dict(self) -> dict[str, Any]:
         """The record of the command line's JSON (docs/contract.md)."""

@@ -165,7 +165,16 @@ def turned(surface: Surface) -> Surface:
 
 def surface_of(given: Mapping[str, Any], record: dict[str, Any], frame: Frame) -> Surface:
     """A surface of what the extension module gives, in a frame."""
-    of_map = ("curvature", "quantiles", "distributions", "vertices_without_normal", "against", "files")
+    of_map = (
+        "curvature",
+        "quantiles",
+        "distributions",
+        "vertices_without_normal",
+        "region_distributions",
+        "samples",
+        "against",
+        "files",
+    )
     curvature = {name: record.pop(name) for name in of_map}
     curvature.pop("files")
     surface = Surface(

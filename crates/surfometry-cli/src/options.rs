@@ -201,7 +201,8 @@ impl MeasureOptions {
         Ok(self.choices().plan(curvature)?)
     }
 
-    fn choices(&self) -> Choices {
+    /// What the options say.
+    pub(crate) fn choices(&self) -> Choices {
         Choices {
             sigma: self.sigma.clone().unwrap_or_default(),
             thickness: self.thickness.clone().unwrap_or_default(),

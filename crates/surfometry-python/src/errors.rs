@@ -57,7 +57,7 @@ pub(crate) struct Name<'a> {
 /// The file that could not be read or written, and what the system said.
 fn os_error(error: &RunError) -> Option<(String, Option<&io::Error>)> {
     match error {
-        RunError::Against { source, .. } => os_error(source),
+        RunError::Beside { source, .. } => os_error(source),
         RunError::Input(InputError::Read(ReadError::Io { path, source }))
         | RunError::Journal(JournalError::Io { path, source })
         | RunError::Write { path, source } => Some((path.display().to_string(), Some(source))),

@@ -46,6 +46,12 @@ pub(crate) fn choices(py: Python, options: &Options) -> PyResult<Choices> {
             "largest_component" => {
                 choices.preparation.largest_component = bool::from_str(text).map_err(|e| word(&e))?;
             }
+            "regions" => choices.regions = Some(text.clone()),
+            "interfaces" => choices.interfaces = bool::from_str(text).map_err(|e| word(&e))?,
+            "sample" => {
+                choices.samples =
+                    text.lines().map(str::parse).collect::<Result<_, _>>().map_err(|e| word(&e))?;
+            }
             "explain" | "per_component" => {}
             _ => return Err(word(&"there is no such option")),
         }

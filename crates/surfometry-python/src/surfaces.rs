@@ -49,7 +49,11 @@ fn compared(
     control: &Control,
 ) -> Result<Collected<MappedSurface>, RunError> {
     let (open, name) = (plan.open.clone(), later.name().to_owned());
-    let unread = |error| RunError::Against { name, source: Box::new(RunError::Input(error)) };
+    let unread = |error| RunError::Beside {
+        what: "the later image",
+        file: name,
+        source: Box::new(RunError::Input(error)),
+    };
     let (name, source) = later.opened(&open).map_err(unread)?;
     let later = Against::read(&Opened::new(&name, None, source, control), &plan)?;
     of_task(&SurfaceTask { plan, against: Some(Arc::new(later)) }, image, &open, control)

@@ -35,6 +35,7 @@ pub mod embedding;
 #[cfg(feature = "io")]
 pub mod inputs;
 pub mod integrals;
+mod interfaces;
 #[cfg(feature = "io")]
 pub mod io;
 

@@ -11,7 +11,9 @@ use anyhow::{Result, anyhow, bail};
 use std::path::{Path, PathBuf};
 use surfometry::io::mesh_paths;
 use surfometry::measurement::VoxelQuantity;
-use surfometry::runs::{Against, Batch, FileLedger, MapFile, MapStyle, MapTask, Plan, Settings};
+use surfometry::runs::{
+    Against, Batch, Choices, FileLedger, MapFile, MapStyle, MapTask, Plan, SampleImage, Settings,
+};
 
 /// Map curvature on the surface: meshes, voxel maps, pictures, distributions
 ///
@@ -43,6 +45,13 @@ pub(crate) struct Args {
     /// Quantities of voxel maps, a file each
     #[arg(long, value_delimiter = ',', default_value = "mean-curvature", value_parser = one_of::<VoxelQuantity>())]
     voxels: Vec<VoxelQuantity>,
+    /// Volume, on any lattice, whose values are put on the vertices, linear between voxels: an array of that name, by default
+    /// the file's, and in a .json file how it goes with curvature; may be given several times
+    #[arg(long, value_name = "[NAME=]FILE")]
+    sample: Vec<SampleImage>,
+    /// Label image, on any lattice, whose labels are regions: distributions by region as well, in a .json file
+    #[arg(long, value_name = "FILE")]
+    regions: Option<String>,
     #[command(flatten)]
     pictures: PictureOptions,
     #[command(flatten)]
@@ -53,7 +62,9 @@ pub(crate) struct Args {
 
 pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
     // What is mapped is the surface of the one embedding that was chosen.
-    let plan = Plan { recover: false, ..args.options.plan(args.curvature.scale())? };
+    let choices =
+        Choices { regions: args.regions.clone(), samples: args.sample.clone(), ..args.options.choices() };
+    let plan = Plan { recover: false, ..choices.plan(args.curvature.scale())? };
     let inputs = expand(&args.inputs);
     let read: Vec<String> = inputs.iter().chain(&args.against).cloned().collect();
     let [documents, files] = targets(args.output.iter().chain(&args.png), &read)?;

@@ -4,13 +4,14 @@ use crate::console::{Voice, control};
 use crate::cures::cure;
 use crate::inputs::{expand, input_name};
 use crate::journal_options::JournalOptions;
-use crate::options::{MeasureOptions, OutputOptions};
+use crate::options::{MeasureOptions, OutputFormat, OutputOptions};
 use crate::output::{RecordTables, Shown, check_output, say_sigmas, status, with_scales, write_results};
 use anyhow::{Context, Result, bail};
 use std::path::PathBuf;
 use surfometry::measurement::CurvatureScale;
 use surfometry::runs::{
-    Batch, ExplainTopology, FileLedger, MapFile, MapStyle, MeasureTask, Pictures, Plan, Settings, SigmaRange,
+    Batch, Choices, ExplainTopology, FileLedger, MapFile, MapStyle, MeasureTask, PartTables, Pictures, Plan,
+    Settings, SigmaRange,
 };
 
 /// Measure the objects of label images
@@ -48,6 +49,14 @@ pub(crate) struct Args {
     /// are looked for where voxels and surface agree as well
     #[arg(long)]
     explain: bool,
+    /// Label image, on any lattice, whose labels are regions: each object's numbers by region as well, which add up to its
+    /// own. In JSON, below a table, and in FILE_regions.csv beside -o FILE.csv
+    #[arg(long, value_name = "FILE")]
+    regions: Option<String>,
+    /// Area and curvature of the contact between any two labels that touch, background among them: in JSON, below a table,
+    /// and in FILE_interfaces.csv beside -o FILE.csv
+    #[arg(long, conflicts_with = "per_component")]
+    interfaces: bool,
     /// Measures each 26-connected piece as an object of its own, the largest first
     #[arg(long, conflicts_with = "png")]
     per_component: bool,
@@ -61,15 +70,27 @@ pub(crate) struct Args {
 
 pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
     let explain_topology = if args.explain { ExplainTopology::Always } else { ExplainTopology::default() };
+    let choices =
+        Choices { regions: args.regions.clone(), interfaces: args.interfaces, ..args.options.choices() };
     let plan = Plan {
         explain_topology,
         per_component: args.per_component,
-        ..args.options.plan(CurvatureScale::AsMeasured)?
+        ..choices.plan(CurvatureScale::AsMeasured)?
     };
     plan.check()?;
     let inputs = expand(&args.inputs);
     check_output(args.results.path(), &inputs)?;
     check_output(args.png.as_deref(), &inputs)?;
+    let beside = part_tables(args)?;
+    for path in &beside {
+        check_output(Some(path), &inputs)?;
+    }
+    if let Some(regions) = &args.regions {
+        for path in beside.iter().map(PathBuf::as_path).chain(args.results.path()).chain(args.png.as_deref())
+        {
+            check_output(Some(path), std::slice::from_ref(regions))?;
+        }
+    }
     check_picture(args)?;
     let (path, style, ledger) = (args.png.clone(), MapStyle::default(), FileLedger::new(&inputs));
     let pictures = path.map(|path| Pictures { path, style, ledger });
@@ -83,9 +104,10 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
     if let Some(journal) = journal.take_if(|_| args.journal.is_shard()) {
         return Ok(status(journal.run(&batch, task, None).context("the shard cannot be written")?));
     }
-    let tables = RecordTables::new(Shown { details: args.details, explain: args.explain }, &inputs);
-    let status = write_results(&args.results, tables, &settings, quiet, |sink| {
-        let mut sigmas = SigmaRange::new(sink);
+    let shown = RecordTables::new(Shown { details: args.details, explain: args.explain }, &inputs);
+    let status = write_results(&args.results, shown, &settings, quiet, |sink| {
+        let mut tables = PartTables::new(sink);
+        let mut sigmas = SigmaRange::new(&mut tables);
         let outcome = match journal {
             Some(journal) => journal.run(&batch, task, Some(&mut sigmas))?,
             None => batch.run(&task, &mut sigmas)?,
@@ -93,9 +115,24 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
         if !quiet && args.options.sigma_is_automatic() {
             say_sigmas(&sigmas);
         }
+        if let Some(path) = args.results.path().filter(|_| !beside.is_empty()) {
+            tables.write(path, args.regions.is_some(), args.interfaces)?;
+        }
         Ok(outcome)
     })?;
     Ok(with_scales(status, &scale_ledger, quiet))
+}
+
+/// The tables of regions and interfaces that lie beside the one of objects.
+fn part_tables(args: &Args) -> Result<Vec<PathBuf>> {
+    let wanted = args.regions.is_some() || args.interfaces;
+    match args.results.path() {
+        _ if !wanted || args.results.format() != OutputFormat::Csv => Ok(Vec::new()),
+        Some(path) => Ok(PartTables::paths(path, args.regions.is_some(), args.interfaces)),
+        None => bail!(
+            "regions and interfaces have tables of their own beside -o FILE.csv: name it, or take --format json"
+        ),
+    }
 }
 
 fn check_picture(args: &Args) -> Result<()> {

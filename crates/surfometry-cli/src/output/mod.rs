@@ -8,6 +8,7 @@ mod lines;
 mod map_sink;
 mod numbers;
 mod page_sink;
+mod parts_text;
 mod raised;
 mod record_tables;
 mod results;

@@ -3,6 +3,7 @@
 use super::details::{details, heading};
 use super::lines::{Lines, is_original, legend};
 use super::numbers::digits;
+use super::parts_text::parts_text;
 use super::raised::flags_text;
 use super::table_sink::Presenter;
 use super::width::wrapped;
@@ -56,18 +57,21 @@ impl RecordTables {
             above + &details(record, self.shown.explain)
         };
         let tables: String = records.iter().map(of_record).collect();
-        input_heading(records) + &tables + &flags_text(&records.iter().collect::<Vec<_>>())
+        input_heading(records)
+            + &tables
+            + &parts_text(records)
+            + &flags_text(&records.iter().collect::<Vec<_>>())
     }
 
     fn in_lines(&mut self, records: &[Record]) -> String {
         let input = &records[0].input;
         let name = self.parts.get(input).unwrap_or(input).clone();
         match records {
-            [only] if !self.one_input => self.lines.line(&name, only),
+            [only] if !self.one_input => self.lines.line(&name, only) + &parts_text(records),
             _ => {
                 let above = if self.one_input { input_heading(records) } else { name + "\n" };
                 let line = |record: &Record| self.lines.line(&format!("  {}", record_name(record)), record);
-                above + &records.iter().map(line).collect::<String>()
+                above + &records.iter().map(line).collect::<String>() + &parts_text(records)
             }
         }
     }

@@ -11,6 +11,7 @@
 mod band;
 mod globals;
 mod partial;
+mod parts;
 mod quadrature;
 mod smeared;
 

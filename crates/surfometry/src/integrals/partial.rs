@@ -172,18 +172,23 @@ impl Partial {
                     look(voxels);
                     *summing += start.elapsed();
                 });
-                partial.volume.add(beyond + sums.volume.iter().sum::<f64>());
-                partial.surface.add(&sums.surface.total());
-                for (face, lanes) in partial.faces.iter_mut().zip(&sums.faces) {
-                    face.add(lanes.iter().sum());
-                }
-                partial.tilted.add(sums.tilted.iter().sum());
-                partial.band_voxels = sums.voxels;
-                partial.voxels_without_normal = sums.without_normal;
-                partial.narrow = sums.narrow;
+                partial.add_sums(beyond, &sums);
             }
         }
         partial
+    }
+
+    /// Adds what the voxels of a band add up to, and the weight of those inside that it does not reach.
+    pub(super) fn add_sums(&mut self, beyond: f64, sums: &BandSums) {
+        self.volume.add(beyond + sums.volume.iter().sum::<f64>());
+        self.surface.add(&sums.surface.total());
+        for (face, lanes) in self.faces.iter_mut().zip(&sums.faces) {
+            face.add(lanes.iter().sum());
+        }
+        self.tilted.add(sums.tilted.iter().sum());
+        self.band_voxels += sums.voxels;
+        self.voxels_without_normal += sums.without_normal;
+        self.narrow.iter_mut().zip(&sums.narrow).for_each(|(narrow, more)| narrow.merge(more));
     }
 
     /// Counts the voxels inside; the weight of those that the band does not reach, whose Heaviside is 1.
@@ -258,7 +263,7 @@ const NEAR_AXIS: f64 = 0.974_37;
 
 /// Sums over the band of one tile.
 #[derive(Default)]
-struct BandSums {
+pub(super) struct BandSums {
     /// Of theta(-phi).
     volume: Lanes,
     surface: LaneSums,
@@ -273,7 +278,7 @@ struct BandSums {
 
 impl BandSums {
     #[inline(always)]
-    fn add(&mut self, voxels: &BandVoxels, band: &Band, weights: &Weights) {
+    pub(super) fn add(&mut self, voxels: &BandVoxels, band: &Band, weights: &Weights) {
         self.voxels += voxels.len() as u64;
         let mut indices = voxels.indices();
         for start in (0..voxels.len()).step_by(LANES) {
@@ -347,7 +352,7 @@ impl BandSums {
 }
 
 /// Quadrature weights of a tile.
-struct Weights {
+pub(super) struct Weights {
     /// Whether all are 1.
     uniform: bool,
     lower: [i64; 3],
@@ -357,7 +362,7 @@ struct Weights {
 }
 
 impl Weights {
-    fn new(quadrature: &Quadrature, IndexBox { lower, upper }: IndexBox) -> Self {
+    pub(super) fn new(quadrature: &Quadrature, IndexBox { lower, upper }: IndexBox) -> Self {
         let axis = |a: usize| quadrature.weights(a, lower[a]..upper[a]);
         Self { uniform: quadrature.is_uniform(), lower, x: axis(0), y: axis(1), z: axis(2) }
     }
@@ -366,7 +371,7 @@ impl Weights {
         self.y[(y - self.lower[1]) as usize] * self.z[(z - self.lower[2]) as usize]
     }
 
-    fn at(&self, [x, y, z]: [i64; 3]) -> f64 {
+    pub(super) fn at(&self, [x, y, z]: [i64; 3]) -> f64 {
         self.x[(x - self.lower[0]) as usize] * self.row(y, z)
     }
 

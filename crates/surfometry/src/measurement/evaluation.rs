@@ -230,7 +230,7 @@ impl Setup {
     }
 
     /// What compensation adds; `None` where it is not defined.
-    fn compensation(
+    pub(super) fn compensation(
         &self,
         integrals: Option<Integrals>,
         open: Option<&OpenPart>,
@@ -262,7 +262,7 @@ impl Setup {
     }
 
     /// How far integrals are from exact; `None` where that was not studied.
-    fn error_model(&self, integrals: &Integrals) -> Option<ErrorModel> {
+    pub(super) fn error_model(&self, integrals: &Integrals) -> Option<ErrorModel> {
         let (Some(model), Some(edges)) = (self.errors, self.soft) else { return self.errors };
         let sampled = self.parameters.thickness_mm >= self.grid.spacing().largest();
         let occupancies = model.of_occupancies(&self.parameters.profile()?, self.band.delta());

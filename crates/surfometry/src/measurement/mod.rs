@@ -8,6 +8,7 @@ mod comparable;
 mod detail;
 mod evaluation;
 mod explanation;
+mod interfaces;
 mod level_sets;
 mod local_curvature;
 mod local_scales;
@@ -16,6 +17,8 @@ mod parameters;
 mod pass;
 mod probability;
 mod recovery;
+mod region_values;
+mod regions;
 mod result;
 mod scheme;
 
@@ -32,10 +35,12 @@ pub use detail::WrongSides;
 #[cfg(feature = "io")]
 pub(crate) use explanation::Looked;
 pub use explanation::{ChangeStage, LocatedChange, TopologyExplanation, UNEXPLAINED, WeakestGradient};
+pub use interfaces::{Interface, InterfaceValues};
 pub use local_curvature::CurvatureScale;
 pub use object::Object;
 pub use parameters::{Derivatives, EmbeddingKind, MeasureError, Padding, Parameters};
 pub use recovery::RecoverySummary;
+pub use regions::{RegionPart, Regions};
 pub use result::{
     BlurredValues, DescribedSurface, GridSummary, Measured, MeshSummary, StageSeconds, SurfaceValues,
     TopologySummary, VoxelSummary,

@@ -280,7 +280,7 @@ impl Object {
         Some(OpenPart { part, boundary: boundary.unwrap_or_default() })
     }
 
-    fn region(&self) -> Option<IndexBox> {
+    pub(super) fn region(&self) -> Option<IndexBox> {
         self.part.map(|part| part.region)
     }
 

@@ -52,7 +52,7 @@ impl<'a> Marcher<'a> {
         Some(Self {
             dimensions: volume.dimensions,
             origin: volume.affine.origin,
-            inverse: inverse(volume.affine.linear)?,
+            inverse: volume.affine.inverted()?.linear,
             step: 0.5 * smallest,
             phi: DenseField::new(volume.dimensions, volume.phi),
             raw_phi: volume.phi,
@@ -151,16 +151,4 @@ impl<'a> Marcher<'a> {
         let normal: [f64; 3] = std::array::from_fn(|w| (0..3).map(|a| self.inverse[a][w] * g[a]).sum());
         brightness(camera.basis.coordinates(normal).map(|v| v as f32))
     }
-}
-
-/// Inverse of a 3 x 3 matrix by cofactors.
-fn inverse(m: [[f64; 3]; 3]) -> Option<[[f64; 3]; 3]> {
-    let cofactor = |r: usize, c: usize| {
-        let [r1, r2, c1, c2] = [(r + 1) % 3, (r + 2) % 3, (c + 1) % 3, (c + 2) % 3];
-        m[r1][c1] * m[r2][c2] - m[r1][c2] * m[r2][c1]
-    };
-    let determinant: f64 = (0..3).map(|c| m[0][c] * cofactor(0, c)).sum();
-    let inverse: [[f64; 3]; 3] =
-        std::array::from_fn(|r| std::array::from_fn(|c| cofactor(c, r) / determinant));
-    inverse.iter().flatten().all(|v| v.is_finite()).then_some(inverse)
 }

@@ -61,7 +61,7 @@ impl Against {
     /// Reads an input by its name.
     ///
     /// # Errors
-    /// [`RunError::Against`].
+    /// [`RunError::Beside`].
     pub fn open(name: &str, plan: &Plan, control: &Control) -> Result<Self, RunError> {
         let source = open(name, &plan.open).map_err(|error| told_of(name, error.into()))?;
         Self::read(&Opened::new(name, None, source, control), plan)
@@ -70,7 +70,7 @@ impl Against {
     /// Reads an input.
     ///
     /// # Errors
-    /// [`RunError::Against`].
+    /// [`RunError::Beside`].
     pub fn read(input: &Opened, plan: &Plan) -> Result<Self, RunError> {
         input.begin_hashing();
         let content = Content::of(input, plan).map_err(|error| told_of(input.name, error))?;
@@ -80,7 +80,7 @@ impl Against {
     /// Compares the surface of an object with that of the later one of the same label, and keeps what there is at each vertex.
     ///
     /// # Errors
-    /// [`RunError::Against`] where there is no such label, or nothing is left of it.
+    /// [`RunError::Beside`] where there is no such label, or nothing is left of it.
     pub(super) fn change(&self, first: &mut InputObject) -> Result<AgainstRecord, RunError> {
         let change = self.change_of(first).map_err(|error| told_of(&self.name, error))?;
         Ok(AgainstRecord { input: self.name.clone(), input_sha256: self.fingerprint.text(), change })
@@ -146,5 +146,9 @@ fn mask_of(
 
 /// An error of the later input.
 fn told_of(name: &str, error: RunError) -> RunError {
-    if error.is_stop() { error } else { RunError::Against { name: name.to_owned(), source: Box::new(error) } }
+    if error.is_stop() {
+        error
+    } else {
+        RunError::Beside { what: "the later image", file: name.to_owned(), source: Box::new(error) }
+    }
 }

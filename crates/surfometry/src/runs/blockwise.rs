@@ -63,7 +63,7 @@ impl Blockwise {
         if plan.needs_all() {
             return Err(RunError::Unfit(
                 "block by block only labels are measured, each as one object and all with one sigma and thickness: leave \
-                 pieces, fields, soft segmentations and lengths of labels of their own out, or measure the image as a whole",
+                 pieces, fields, soft segmentations, lengths of labels of their own, regions and interfaces out, or measure the image as a whole",
             ));
         }
         let names = label_names.into_iter().collect::<LabelTable>().overlaid(&plan.open.names);
@@ -118,6 +118,8 @@ impl Blockwise {
                 component: None,
                 truth: None,
                 preparation: None,
+                regions: None,
+                interfaces: None,
                 curvature_sigma_mm: None,
                 input_sha256: None,
                 read_seconds: None,

@@ -1,6 +1,6 @@
 //! What a caller says of a measurement, and the plan that it stands for: the defaults of every front end.
 
-use super::{CalledObjects, LabelScales, Lengths, Plan, RunError, SelectionWords};
+use super::{CalledObjects, LabelScales, Lengths, Plan, RegionImage, RunError, SampleImage, SelectionWords};
 use crate::inputs::{OpenOptions, Preparation};
 use crate::integrals::{QuadratureRule, Smearing};
 use crate::io::RawLayout;
@@ -17,7 +17,7 @@ use crate::volume::{LabelSelection, LabelTable, Spacing};
 /// assert!(plan.recover);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, Default)]
 pub struct Choices {
     /// Which labels, by number or by name.
     pub labels: SelectionWords,
@@ -51,6 +51,12 @@ pub struct Choices {
     pub padding: Option<Padding>,
     /// The paper's choices; others that are made beside win.
     pub paper: bool,
+    /// A label image whose labels are regions that each object is split by.
+    pub regions: Option<String>,
+    /// Whether the contacts between objects are measured.
+    pub interfaces: bool,
+    /// Volumes that are put on surfaces.
+    pub samples: Vec<SampleImage>,
 }
 
 impl Choices {
@@ -72,6 +78,9 @@ impl Choices {
             called,
             curvature,
             recover: self.embedding.is_none(),
+            regions: self.regions.clone().map(RegionImage::of),
+            interfaces: self.interfaces,
+            samples: self.samples.clone(),
             ..Plan::default()
         };
         plan.check()?;

@@ -28,7 +28,7 @@ impl Cure {
     /// What helps against an error, where a choice of the caller's does.
     pub fn of(error: &RunError) -> Option<Self> {
         match error {
-            RunError::Against { source, .. } => Self::of(source),
+            RunError::Beside { source, .. } => Self::of(source),
             RunError::Input(InputError::MeshWithoutSpacing) => Some(Self::Spacing),
             RunError::NoSuchName { nameless: true, .. } => Some(Self::Names),
             RunError::NoSuchName { .. } | RunError::NoVoxels { .. } => Some(Self::Label),

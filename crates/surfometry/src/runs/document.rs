@@ -258,7 +258,7 @@ fn cell(value: Value) -> String {
 }
 
 /// A text that a spreadsheet takes for no formula: an apostrophe stands in front of one that would be.
-fn text_cell(text: String) -> String {
+pub(super) fn text_cell(text: String) -> String {
     let formula = text.starts_with(FORMULA) && text.parse::<f64>().is_err();
     if formula { format!("'{text}") } else { text }
 }

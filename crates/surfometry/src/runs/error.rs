@@ -100,12 +100,14 @@ pub enum RunError {
         /// The other.
         second: LabelGroup,
     },
-    /// A later input, with which another is compared.
-    #[error("{name}, with which it is compared: {source}")]
-    Against {
-        /// The later input.
-        name: String,
-        /// What is wrong with it.
+    /// An image that is read beside the inputs.
+    #[error("{what} {file}: {source}")]
+    Beside {
+        /// What it is for.
+        what: &'static str,
+        /// Its name.
+        file: String,
+        /// Why.
         source: Box<RunError>,
     },
     /// What cannot be done with the input.

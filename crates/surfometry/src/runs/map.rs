@@ -57,7 +57,7 @@ impl Task for MapTask {
             let against = self.compared(input, &mut object, out)?;
             let written = self.write(input, &object, &files, out);
             input.control.check()?;
-            let record = SurfaceRecord::new(object.record(), object.surface());
+            let record = SurfaceRecord::of(&object);
             out(Item::Row(SurfaceRecord { against, files: written, ..record }));
         }
         Ok(())

@@ -118,6 +118,8 @@ impl MeasureTask {
                 component: None,
                 truth,
                 preparation,
+                regions: None,
+                interfaces: None,
                 curvature_sigma_mm: None,
                 input_sha256: input.fingerprint.text(),
                 read_seconds: Some(read),

@@ -3,6 +3,7 @@
 
 mod against;
 mod batch;
+mod beside;
 mod blockwise;
 mod called;
 mod choices;
@@ -31,6 +32,7 @@ mod merge;
 mod mixed_sigma;
 mod object;
 mod object_names;
+mod part_tables;
 #[cfg(feature = "pictures")]
 mod pictures;
 mod plan;
@@ -53,6 +55,7 @@ pub mod words;
 
 pub use against::{Against, AgainstRecord};
 pub use batch::{Batch, Collected, Item, Opened, Outcome, Sink, Task};
+pub use beside::{RegionImage, SampleImage};
 pub use blockwise::{BlockRecord, Blockwise};
 pub use called::CalledObjects;
 pub use choices::Choices;
@@ -81,6 +84,7 @@ pub use measure::{MeasureTask, records_of};
 pub use merge::Shards;
 pub use mixed_sigma::SigmaRange;
 pub use object::InputObject;
+pub use part_tables::PartTables;
 #[cfg(feature = "pictures")]
 pub use pictures::Pictures;
 pub use plan::{ExplainTopology, Plan};
@@ -91,7 +95,7 @@ pub use rerun::{Finding, Repeated, Repetition, RerunError, WrittenRun};
 pub use scale_ledger::ScaleLedger;
 pub use settings::Settings;
 pub use shard::Shard;
-pub use surface_record::{MAP_SCHEMA, SurfaceRecord};
+pub use surface_record::{MAP_SCHEMA, RegionDistributions, SurfaceRecord};
 pub use surface_task::{MappedSurface, SurfaceTask};
 #[cfg(feature = "pictures")]
 pub use sweep::{SweepTask, SweptParameter, SweptSurfaces};

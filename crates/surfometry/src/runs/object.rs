@@ -1,10 +1,11 @@
 //! One object of an input, ready for whatever is asked of it.
 
+use super::beside::Beside;
 use super::fingerprint::Fingerprint;
 use super::{ExplainTopology, Failure, Plan, Record, RunError};
 use crate::accuracy::Flag;
 use crate::inputs::{Preparations, PreparedObject, input_title};
-use crate::measurement::{Looked, Measured, Object, settled};
+use crate::measurement::{Looked, Measured, Object, Regions, settled};
 use crate::phantoms::Truth;
 use crate::surface::Surface;
 use crate::tiling::WorkTime;
@@ -24,6 +25,7 @@ pub(super) struct InputFacts {
     pub(super) preparations: Option<Arc<Preparations>>,
     pub(super) read_seconds: f64,
     pub(super) explain: ExplainTopology,
+    pub(super) beside: Beside,
     pub(super) control: Control,
     pub(super) fingerprint: Arc<Fingerprint>,
 }
@@ -88,7 +90,17 @@ impl InputObject {
 
     /// Its surface, extracted when it is first asked for.
     pub fn surface(&self) -> &Surface {
-        self.surface.get_or_init(|| self.local().surface())
+        self.surface.get_or_init(|| {
+            let mut surface = self.local().surface();
+            let samples = &self.facts.beside.samples;
+            surface.samples = samples.iter().map(|volume| volume.on(&surface.mesh)).collect();
+            surface
+        })
+    }
+
+    /// The regions that it is split by, where there are any.
+    pub(super) fn regions(&self) -> Option<&Regions> {
+        self.facts.beside.regions.as_deref()
     }
 
     /// The same, to keep more at its vertices.
@@ -150,6 +162,8 @@ impl InputObject {
     /// Measures it.
     pub fn record(&self) -> Record {
         let mut measured = self.explained();
+        let beside = &self.facts.beside;
+        let regions = beside.regions.as_ref().map(|regions| self.object.regions(&measured, regions));
         measured.flags.splice(0..0, self.input_flags());
         Record {
             input: self.facts.input.clone(),
@@ -158,6 +172,8 @@ impl InputObject {
             component: self.component,
             truth: self.truth,
             preparation: self.preparation(),
+            regions,
+            interfaces: self.label.as_ref().and_then(|label| beside.interfaces_of(label)),
             curvature_sigma_mm: self.local.as_ref().and_then(|local| local.parameters().sigma_mm),
             input_sha256: self.facts.fingerprint.text(),
             read_seconds: Some(self.facts.read_seconds),
@@ -228,6 +244,7 @@ impl InputFacts {
             preparations: input.source.preparations(),
             read_seconds,
             explain: plan.explain_topology,
+            beside: Beside::default(),
             control: input.control.clone(),
         }
     }

@@ -1,7 +1,7 @@
 //! What is asked of every input of a run.
 
 use super::object::{looked_at, what_is_explained};
-use super::{CalledObjects, LabelScales, ScaleLedger};
+use super::{CalledObjects, LabelScales, RegionImage, SampleImage, ScaleLedger};
 use crate::inputs::OpenOptions;
 use crate::measurement::{CurvatureScale, EmbeddingKind, MeasureError, Measured, Measurement};
 use crate::volume::LabelSelection;
@@ -37,6 +37,12 @@ pub struct Plan {
     /// Whether objects of which the default blur loses detail are measured in the recovering embedding instead, where its
     /// errors are smaller. Choices of the caller's own are kept to.
     pub recover: bool,
+    /// Regions that each object is split by, beside its own numbers.
+    pub regions: Option<RegionImage>,
+    /// Whether the contacts between objects, and with background, are measured.
+    pub interfaces: bool,
+    /// Volumes that are put on surfaces; of no meaning to integrals.
+    pub samples: Vec<SampleImage>,
 }
 
 impl Default for Plan {
@@ -52,6 +58,9 @@ impl Default for Plan {
             per_component: false,
             explain_topology: ExplainTopology::default(),
             recover: true,
+            regions: None,
+            interfaces: false,
+            samples: Vec::new(),
         }
     }
 }
@@ -72,7 +81,8 @@ pub enum ExplainTopology {
 impl Plan {
     /// Whether objects are not those of labels, or not measured alike, so that they must be known as wholes.
     pub(super) fn needs_all(&self) -> bool {
-        !self.measurement.embedding.is_of_labels() || self.per_component || self.has_scales()
+        let beside = self.regions.is_some() || self.interfaces;
+        !self.measurement.embedding.is_of_labels() || self.per_component || self.has_scales() || beside
     }
 
     /// Whether some objects have lengths of their own.
@@ -109,6 +119,9 @@ impl Plan {
             }
             kind if self.per_component && !kind.is_of_labels() => conflict(
                 "a field or soft segmentation has no labels whose pieces could be told apart: measure it as one object",
+            ),
+            kind if self.interfaces && (self.per_component || !kind.is_of_labels()) => conflict(
+                "interfaces are those of labels: leave them out of fields, soft segmentations and pieces of labels",
             ),
             kind if !self.open.preparation.is_none() && !kind.is_of_labels() => conflict(
                 "a threshold, the largest component and filled cavities make a label image: leave them out, or measure that in another embedding",

@@ -1,5 +1,6 @@
 //! An input that was read as a whole: one reading serves all that is asked of it.
 
+use super::beside::Beside;
 use super::called::{Asked, with_name};
 use super::fingerprint::Fingerprint;
 use super::object::InputFacts;
@@ -7,7 +8,7 @@ use super::object_names::ObjectNames;
 use super::{InputObject, LabelScales, Opened, Plan, RunError};
 use crate::accuracy::{Flag, FlagCode};
 use crate::inputs::{InputError, Source};
-use crate::measurement::{CurvatureScale, EmbeddingKind, Measured};
+use crate::measurement::{CurvatureScale, EmbeddingKind, Interface, Measured};
 use crate::phantoms::Truth;
 use crate::topology::{ComponentLabels, Connectivity};
 use crate::volume::{
@@ -89,6 +90,7 @@ impl<'a> Reading<'a> {
         if let Content::Labels(labelled) = &content {
             facts.flags.extend(grey_values(labelled.image.summaries().len(), labelled.image.looks_grey()));
         }
+        facts.beside = Beside { interfaces: interfaces(source, plan, &content)?, ..Beside::read(plan)? };
         let facts = Arc::new(facts);
         Ok(Self { plan, control: input.control, facts, scales, content })
     }
@@ -108,6 +110,7 @@ impl<'a> Reading<'a> {
             preparations: None,
             read_seconds: 0.0,
             explain: plan.explain_topology,
+            beside: Beside::default(),
             control: control.clone(),
             fingerprint: Arc::new(Fingerprint::none()),
         };
@@ -257,6 +260,30 @@ impl<'a> Reading<'a> {
             truth: None,
         }
     }
+}
+
+/// The interfaces of what was selected, with the names of their labels; `None` where they are not asked for.
+fn interfaces(
+    source: &dyn Source,
+    plan: &Plan,
+    content: &Content,
+) -> Result<Option<Vec<Interface>>, RunError> {
+    let Content::Labels(labelled) = content else { return Ok(None) };
+    if !plan.interfaces {
+        return Ok(None);
+    }
+    if source.segments().is_some() {
+        return Err(RunError::Unfit(
+            "segments may overlap, and have no interfaces then: write them as one label image, or leave the interfaces out",
+        ));
+    }
+    let objects: Vec<LabelGroup> = labelled.objects.iter().map(|object| object.label.clone()).collect();
+    let table = source.label_table();
+    let mut found = plan.measurement.interfaces(&labelled.image, &objects)?;
+    for interface in &mut found {
+        interface.names = interface.labels.each_ref().map(|label| table.name_of(label));
+    }
+    Ok(Some(found))
 }
 
 pub(super) fn field(

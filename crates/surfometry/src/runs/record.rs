@@ -3,7 +3,7 @@
 use super::columns::{RECORD, columns};
 use super::{Row, RunError};
 use crate::inputs::PreparedObject;
-use crate::measurement::Measured;
+use crate::measurement::{Interface, Measured, RegionPart};
 use crate::phantoms::Truth;
 use crate::volume::LabelGroup;
 use serde::{Deserialize, Serialize};
@@ -31,6 +31,12 @@ pub struct Record {
     /// What was done to its voxels before; `None` where nothing was.
     #[serde(default)]
     pub preparation: Option<PreparedObject>,
+    /// Its parts by regions, which add up to it; `None` where there are no regions.
+    #[serde(default)]
+    pub regions: Option<Vec<RegionPart>>,
+    /// Its contacts with other labels and background; `None` where they were not asked for.
+    #[serde(default)]
+    pub interfaces: Option<Vec<Interface>>,
     /// Blur of the corrected embedding in which the surface is mapped, mm, where it is mapped in one of its
     /// own.
     #[serde(default)]

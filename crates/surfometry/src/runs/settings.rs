@@ -1,6 +1,6 @@
 //! Everything that a run's numbers depend on beside its inputs.
 
-use super::{CalledObjects, ExplainTopology, LabelScales, Plan, ScaleLedger};
+use super::{CalledObjects, ExplainTopology, LabelScales, Plan, RegionImage, ScaleLedger};
 use crate::Measurement;
 use crate::inputs::{OpenOptions, Preparation};
 use crate::io::RawLayout;
@@ -34,6 +34,11 @@ pub struct Settings {
     /// Lengths of labels that have their own.
     #[serde(default, skip_serializing_if = "LabelScales::is_empty")]
     scales: LabelScales,
+    /// The image of regions.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    regions: Option<String>,
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    interfaces: bool,
 }
 
 impl Settings {
@@ -54,6 +59,8 @@ impl Settings {
             explain: plan.explain_topology == ExplainTopology::Always,
             recover: plan.recover,
             scales: plan.scales.clone(),
+            regions: plan.regions.as_ref().map(|regions| regions.file().to_owned()),
+            interfaces: plan.interfaces,
         }
     }
 
@@ -91,6 +98,9 @@ impl Settings {
             per_component: self.per_component,
             explain_topology: if self.explain { ExplainTopology::Always } else { ExplainTopology::default() },
             recover: self.recover,
+            regions: self.regions.clone().map(RegionImage::of),
+            interfaces: self.interfaces,
+            samples: Vec::new(),
         }
     }
 

@@ -1,9 +1,11 @@
 //! What is written of a surface besides its files.
 
-use super::{AgainstRecord, Record, Row};
+use super::{AgainstRecord, InputObject, Record, Row};
 use crate::accuracy::{Flag, FlagCode};
-use crate::surface::{CurvatureSummary, Distribution, QUANTILES, Surface};
+use crate::measurement::Regions;
+use crate::surface::{CurvatureSummary, Distribution, QUANTILES, SampleSummary, Surface, SurfacePart};
 use serde::Serialize;
+use std::collections::BTreeSet;
 
 /// Name and version of the format.
 pub const MAP_SCHEMA: &str = "surfometry.map/1";
@@ -20,6 +22,10 @@ pub struct SurfaceRecord {
     pub quantiles: [f64; QUANTILES.len()],
     /// One a quantity.
     pub distributions: Vec<Distribution>,
+    /// The same by region, in order of region; none where there are no regions.
+    pub region_distributions: Vec<RegionDistributions>,
+    /// How other volumes go with curvature, one a volume.
+    pub samples: Vec<SampleSummary>,
     /// Vertices where the field's gradient has collapsed: their curvature is given as 0, and distributions
     /// leave them out.
     pub vertices_without_normal: u64,
@@ -37,7 +43,36 @@ impl Row for SurfaceRecord {
     }
 }
 
+/// Curvature over the part of a surface in one region.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct RegionDistributions {
+    /// Label of the region; 0 of what lies in none.
+    pub region: i64,
+    /// Its name, where it has one.
+    pub name: Option<String>,
+    /// What is found there.
+    #[serde(flatten)]
+    pub part: SurfacePart,
+}
+
 impl SurfaceRecord {
+    /// Of an object, by regions too where they are asked for.
+    pub fn of(object: &InputObject) -> Self {
+        let surface = object.surface();
+        let by_region = |regions: &Regions| -> Vec<RegionDistributions> {
+            let labels: Vec<i64> = surface.mesh.vertices.iter().map(|&vertex| regions.at(vertex)).collect();
+            let present: BTreeSet<i64> = labels.iter().copied().collect();
+            let of = |region: i64| RegionDistributions {
+                region,
+                name: regions.name(region),
+                part: surface.part(|vertex| labels[vertex] == region),
+            };
+            present.into_iter().map(of).collect()
+        };
+        let region_distributions = object.regions().map(by_region).unwrap_or_default();
+        Self { region_distributions, ..Self::new(object.record(), surface) }
+    }
+
     /// Of a surface and its results.
     pub fn new(mut record: Record, surface: &Surface) -> Self {
         let vertices_without_normal = surface.vertices_without_normal();
@@ -54,6 +89,8 @@ impl SurfaceRecord {
             curvature: surface.curvature_summary(),
             quantiles: QUANTILES,
             distributions: surface.distributions().to_vec(),
+            region_distributions: Vec::new(),
+            samples: surface.samples.iter().map(|sample| sample.summary(surface)).collect(),
             vertices_without_normal,
             against: None,
             files: Vec::new(),

@@ -46,7 +46,7 @@ impl Task for SurfaceTask {
             object.surface();
             input.control.check()?;
             let against = self.against.as_ref().map(|later| later.change(&mut object)).transpose()?;
-            let (title, record) = (object.title(), SurfaceRecord::new(object.record(), object.surface()));
+            let (title, record) = (object.title(), SurfaceRecord::of(&object));
             let record = SurfaceRecord { against, ..record };
             input.control.check()?;
             out(Item::Row(MappedSurface { title, record, surface: object.into_surface() }));

@@ -21,6 +21,7 @@ mod estimate;
 mod intraclass;
 mod paired;
 mod regression;
+mod spatial_correlation;
 
 pub use agreement::{Agreement, Spread};
 pub use bland_altman::{BlandAltman, bland_altman};
@@ -32,3 +33,4 @@ pub use estimate::Estimate;
 pub use intraclass::{Intraclass, intraclass};
 pub use paired::{PairError, Paired};
 pub use regression::{LinearFit, least_squares};
+pub use spatial_correlation::{Places, SpatialCorrelation};

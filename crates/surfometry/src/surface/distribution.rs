@@ -71,7 +71,7 @@ impl Distribution {
         let by_area = sorted(&|i| areas[i] / total);
         let by_vertex = sorted(&|_| 1.0 / values.len() as f64);
         let moments = Moments::of_sorted(&by_area);
-        let edges = bin_edges(moments.quantiles[0], moments.quantiles[QUANTILES.len() - 1]);
+        let edges = bin_edges(moments.quantiles[0], moments.quantiles[QUANTILES.len() - 1], BINS);
         Some(Self {
             name,
             by_area: moments,
@@ -117,6 +117,14 @@ impl Moments {
     }
 }
 
+/// The values below which the shares [`QUANTILES`] of the area lie; all 0 without any.
+pub(super) fn quantiles(values: &[f64], areas: &[f64]) -> [f64; QUANTILES.len()] {
+    let total: f64 = areas.iter().sum();
+    let mut sample: Vec<(f64, f64)> = values.iter().zip(areas).map(|(&v, area)| (v, area / total)).collect();
+    sample.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
+    if sample.is_empty() { [0.0; QUANTILES.len()] } else { QUANTILES.map(|share| quantile(&sample, share)) }
+}
+
 /// The value where the sum of the weights, each taken to its middle, reaches a share; linear between (Hazen's
 /// plotting positions where all weigh the same).
 fn quantile(sample: &[(f64, f64)], share: f64) -> f64 {
@@ -135,17 +143,21 @@ fn quantile(sample: &[(f64, f64)], share: f64) -> f64 {
 }
 
 /// Equal bins over a range, or a narrow range around a single value.
-fn bin_edges(low: f64, high: f64) -> Vec<f64> {
+pub(super) fn bin_edges(low: f64, high: f64, bins: usize) -> Vec<f64> {
     let margin = if high > low { 0.0 } else { 0.5 * low.abs().max(1e-6) };
     let (low, high) = (low - margin, high + margin);
-    (0..=BINS).map(|i| low + (high - low) * i as f64 / BINS as f64).collect()
+    (0..=bins).map(|i| low + (high - low) * i as f64 / bins as f64).collect()
+}
+
+/// The bin that a value counts in; the outer ones take what lies beyond.
+pub(super) fn bin_of(edges: &[f64], value: f64) -> usize {
+    edges.partition_point(|&edge| edge <= value).clamp(1, edges.len() - 1) - 1
 }
 
 fn shares(edges: &[f64], sample: &[(f64, f64)]) -> Vec<f64> {
     let mut shares = vec![0.0; edges.len() - 1];
     for &(value, weight) in sample {
-        let bin = edges.partition_point(|&edge| edge <= value).clamp(1, shares.len()) - 1;
-        shares[bin] += weight;
+        shares[bin_of(edges, value)] += weight;
     }
     shares
 }

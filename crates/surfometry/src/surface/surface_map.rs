@@ -2,7 +2,7 @@
 
 use super::isosurface::{cell_limits, stitched};
 use super::tile_mesh::TileMesh;
-use super::{CurvatureSummary, Distribution, LocalQuantity, Mesh, VertexArray, VertexGeometry};
+use super::{CurvatureSummary, Distribution, LocalQuantity, Mesh, Sample, VertexArray, VertexGeometry};
 use crate::Choice;
 use crate::Control;
 use crate::accuracy::{CurvatureDifferences, CurvatureErrors, LocalErrorModel};
@@ -11,6 +11,7 @@ use crate::local_geometry::{Curvature, Differentiation, FieldValue, Jet, TileFie
 use crate::tiling::{IndexBox, Pool, TILE};
 use crate::volume::{Grid, Spacing};
 use rayon::prelude::*;
+use serde::Serialize;
 use std::sync::OnceLock;
 
 /// The level set phi = 0: a mesh, and the geometry at each of its vertices, from the field's derivatives
@@ -21,6 +22,8 @@ pub struct Surface {
     pub mesh: Mesh,
     /// One a vertex.
     pub vertices: Vec<VertexGeometry>,
+    /// Other images at the vertices.
+    pub samples: Vec<Sample>,
     distributions: OnceLock<Vec<Distribution>>,
 }
 
@@ -80,7 +83,7 @@ impl Surface {
         drop(meshes);
         let still = matches!(extras, VertexExtras::Shift { .. }).then_some(0.0);
         let vertices = completed(&mesh, geometry, still);
-        let mut surface = Self { mesh, vertices, distributions: OnceLock::new() };
+        let mut surface = Self { mesh, vertices, samples: Vec::new(), distributions: OnceLock::new() };
         if let VertexExtras::Errors { sigma, spacing, .. } = extras {
             surface.set_errors(*sigma, *spacing, grid, differences.into_iter().flatten());
         }
@@ -137,9 +140,11 @@ impl Surface {
         self.mesh.triangles.is_empty()
     }
 
-    /// The vertices' geometry as named columns.
+    /// The vertices' geometry as named columns, and samples behind it.
     pub fn arrays(&self) -> Vec<VertexArray> {
-        VertexGeometry::arrays(&self.vertices)
+        let mut arrays = VertexGeometry::arrays(&self.vertices);
+        arrays.extend(self.samples.iter().map(Sample::array));
+        arrays
     }
 
     /// A quantity at every vertex; `None` where it is not defined.
@@ -149,11 +154,30 @@ impl Surface {
 
     /// Distributions of all quantities, by area and by vertex.
     pub fn distributions(&self) -> &[Distribution] {
-        self.distributions.get_or_init(|| {
-            let areas = self.weights();
-            let of = |quantity: &LocalQuantity| self.weighted(*quantity, &areas);
-            LocalQuantity::ALL.par_iter().filter_map(of).collect()
-        })
+        self.distributions.get_or_init(|| self.weighted_distributions(&self.weights(), &|_| true))
+    }
+
+    /// The part of the surface around vertices of which, by their number, something holds.
+    pub fn part(&self, holds: impl Fn(usize) -> bool) -> SurfacePart {
+        let within: Vec<bool> = (0..self.vertices.len()).map(holds).collect();
+        let mut areas = self.weights();
+        for (area, within) in areas.iter_mut().zip(&within) {
+            *area = if *within { *area } else { 0.0 };
+        }
+        SurfacePart {
+            area: areas.iter().sum(),
+            curvature: CurvatureSummary::of(&self.vertices, &areas),
+            distributions: self.weighted_distributions(&areas, &|n| within[n]),
+        }
+    }
+
+    fn weighted_distributions(
+        &self,
+        areas: &[f64],
+        holds: &(dyn Fn(usize) -> bool + Sync),
+    ) -> Vec<Distribution> {
+        let of = |quantity: &LocalQuantity| self.weighted(*quantity, areas, holds);
+        LocalQuantity::ALL.par_iter().filter_map(of).collect()
     }
 
     /// Distribution of one quantity, without the vertices whose gradient has collapsed; `None` where it is
@@ -162,11 +186,17 @@ impl Surface {
         self.distributions().iter().find(|distribution| distribution.name == quantity.name())
     }
 
-    fn weighted(&self, quantity: LocalQuantity, areas: &[f64]) -> Option<Distribution> {
-        let kept = |(vertex, area): (&VertexGeometry, &f64)| {
-            if vertex.has_normal { Some((quantity.at(vertex)?, *area)) } else { None }
+    fn weighted(
+        &self,
+        quantity: LocalQuantity,
+        areas: &[f64],
+        holds: &(dyn Fn(usize) -> bool + Sync),
+    ) -> Option<Distribution> {
+        let kept = |n: usize| {
+            let vertex = &self.vertices[n];
+            if vertex.has_normal && holds(n) { Some((quantity.at(vertex)?, areas[n])) } else { None }
         };
-        let (values, areas): (Vec<f64>, Vec<f64>) = self.vertices.iter().zip(areas).filter_map(kept).unzip();
+        let (values, areas): (Vec<f64>, Vec<f64>) = (0..self.vertices.len()).filter_map(kept).unzip();
         Distribution::of(quantity.name(), &values, &areas)
     }
 
@@ -174,6 +204,18 @@ impl Surface {
     pub fn curvature_summary(&self) -> Option<CurvatureSummary> {
         CurvatureSummary::of(&self.vertices, &self.weights())
     }
+}
+
+/// Curvature over a part of a surface.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct SurfacePart {
+    /// Area that its vertices stand for, mm^2.
+    #[serde(rename = "area_mm2")]
+    pub area: f64,
+    /// In a few numbers; `None` without area.
+    pub curvature: Option<CurvatureSummary>,
+    /// One a quantity.
+    pub distributions: Vec<Distribution>,
 }
 
 /// What is told at a vertex beside its curvature.

@@ -37,6 +37,13 @@ impl Affine {
         std::array::from_fn(|w| self.origin[w] + (0..3).map(|a| self.linear[w][a] * index[a]).sum::<f64>())
     }
 
+    /// The way back, from the world to voxel indices; `None` where several indices lie in one place.
+    pub fn inverted(&self) -> Option<Self> {
+        let linear = inverse(self.linear)?;
+        let back = |row: [f64; 3]| -(0..3).map(|w| row[w] * self.origin[w]).sum::<f64>();
+        Some(Self { linear, origin: linear.map(back) })
+    }
+
     /// Step in the world of one voxel along an image axis, mm.
     pub fn column(&self, axis: usize) -> [f64; 3] {
         std::array::from_fn(|w| self.linear[w][axis])
@@ -134,6 +141,18 @@ fn unit(direction: [f64; 3]) -> [f64; 3] {
     if length > 0.0 && (length - 1.0).abs() > ROUNDING { direction.map(|v| v / length) } else { direction }
 }
 
+/// Inverse of a 3 x 3 matrix by cofactors.
+fn inverse(m: [[f64; 3]; 3]) -> Option<[[f64; 3]; 3]> {
+    let cofactor = |r: usize, c: usize| {
+        let [r1, r2, c1, c2] = [(r + 1) % 3, (r + 2) % 3, (c + 1) % 3, (c + 2) % 3];
+        m[r1][c1] * m[r2][c2] - m[r1][c2] * m[r2][c1]
+    };
+    let determinant: f64 = (0..3).map(|c| m[0][c] * cofactor(0, c)).sum();
+    let inverse: [[f64; 3]; 3] =
+        std::array::from_fn(|r| std::array::from_fn(|c| cofactor(c, r) / determinant));
+    inverse.iter().flatten().all(|v| v.is_finite()).then_some(inverse)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -146,6 +165,15 @@ mod tests {
         assert_eq!(affine.column(0), [0.0, 2.0, 0.0]);
         let none = Affine::from_directions([[0.0; 3]; 3], [1.0; 3], [0.0; 3]);
         assert_eq!(none.column_lengths(), [0.0; 3]);
+    }
+
+    #[test]
+    fn the_way_back() {
+        let turned = [[0.8, 0.6, 0.0], [-0.6, 0.8, 0.0], [0.0, 0.0, -1.0]];
+        let affine = Affine::from_directions(turned, [2.0, 3.0, 0.4], [10.0, -20.0, 30.0]);
+        let back = affine.inverted().unwrap().apply(affine.apply([1.5, -2.0, 7.0]));
+        assert!(back.iter().zip([1.5, -2.0, 7.0]).all(|(a, b)| (a - b).abs() < 1e-12), "{back:?}");
+        assert_eq!(Affine::diagonal([1.0, 0.0, 1.0]).inverted(), None);
     }
 
     #[test]

@@ -8,7 +8,6 @@ use crate::vectors;
 use fearless_simd::dispatch;
 use rayon::prelude::*;
 use std::collections::HashMap;
-#[cfg(feature = "io")]
 use std::ops::Range;
 
 /// A label image: each voxel holds a whole number, 0 being background.
@@ -117,8 +116,7 @@ impl LabelImage {
     }
 
     /// The runs of labels in a row, background left out, ascending.
-    #[cfg(feature = "io")]
-    pub(super) fn labelled_runs(&self, y: usize, z: usize) -> impl Iterator<Item = (Range<usize>, i64)> + '_ {
+    pub(crate) fn labelled_runs(&self, y: usize, z: usize) -> impl Iterator<Item = (Range<usize>, i64)> + '_ {
         let labels = &self.labels;
         self.runs.row(y, z).map(|run| (run.start as usize..run.end as usize, labels[run.code as usize]))
     }

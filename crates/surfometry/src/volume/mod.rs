@@ -13,6 +13,7 @@
 
 mod affine;
 mod continued;
+mod dense_labels;
 mod error;
 mod field;
 mod grid;

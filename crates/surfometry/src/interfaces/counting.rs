@@ -1,0 +1,182 @@
+//! Pairs of voxels of different labels, counted.
+
+use super::PairWeights;
+use crate::tiling::{Block, IndexBox};
+use rayon::prelude::*;
+use std::collections::{BTreeMap, BTreeSet};
+
+/// Edge of the boxes in which pairs are counted, voxels.
+const EDGE: i64 = 32;
+
+/// What was counted of two labels.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub(crate) struct Contact {
+    /// Pairs of voxels that cross their interface, by orbit of the displacement.
+    pub(crate) pairs: Vec<u64>,
+    /// Cells of 2 x 2 x 2 voxels in which a third label meets both.
+    pub(crate) rim: u64,
+    /// The boxes in which voxels of both share a face.
+    pub(crate) boxes: Vec<IndexBox>,
+}
+
+/// What was counted of any two labels, the lower first.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub(crate) struct Contacts(pub(crate) BTreeMap<[u32; 2], Contact>);
+
+impl Contacts {
+    /// Counts over a box; `labels_of` gives the labels of any box. The same numbers for any number of threads.
+    pub(crate) fn count(
+        region: &IndexBox,
+        weights: &PairWeights,
+        labels_of: &(dyn Fn(&IndexBox) -> Block<u32> + Sync),
+    ) -> Self {
+        let tiles = region.grown(weights.reach()).tiles([EDGE; 3]);
+        let of_tile = |tile: &IndexBox| {
+            let labels = labels_of(&tile.grown(weights.reach()));
+            Self::of_tile(tile, &labels, weights)
+        };
+        tiles.par_iter().map(of_tile).reduce(Self::default, Self::merged)
+    }
+
+    fn merged(mut self, other: Self) -> Self {
+        for (key, more) in other.0 {
+            let all = self.0.entry(key).or_default();
+            all.pairs.resize(more.pairs.len(), 0);
+            all.pairs.iter_mut().zip(more.pairs).for_each(|(sum, count)| *sum += count);
+            all.rim += more.rim;
+            all.boxes.extend(more.boxes);
+        }
+        self
+    }
+
+    fn of_tile(tile: &IndexBox, labels: &Block<u32>, weights: &PairWeights) -> Self {
+        let mut found = Self::default();
+        let first = labels.values()[0];
+        if labels.values().iter().all(|&label| label == first) {
+            return found;
+        }
+        let touching = touching(labels);
+        let origin = labels.offset(tile.lower) as i64;
+        let offset = |d: [i64; 3]| {
+            let to = std::array::from_fn(|a| tile.lower[a] + d[a]);
+            labels.offset(to) as i64 - origin
+        };
+        for (displacement, orbit) in weights.displacements() {
+            let path: Vec<i64> = between(*displacement).map(offset).collect();
+            for (y, z) in tile.rows() {
+                let start = labels.offset([tile.lower[0], y, z]);
+                found.count_row(labels.values(), start, tile.extent()[0], &path, &touching, |contact| {
+                    contact.pairs.resize(weights.orbits(), 0);
+                    contact.pairs[*orbit] += 1;
+                });
+            }
+        }
+        found.count_rims(tile, labels);
+        for contact in found.0.values_mut() {
+            contact.pairs.resize(weights.orbits(), 0);
+            if weights.faces(&contact.pairs).iter().any(|&area| area > 0.0) {
+                contact.boxes.push(*tile);
+            }
+        }
+        found
+    }
+
+    /// Counts the pairs that start in a row; `path` leads from the one voxel to the other.
+    ///
+    /// A pair counts for its own two labels where these touch around here: what it counts too often or too seldom at rims
+    /// then goes with the square of its length, and cancels. Where they do not, as on both sides of a layer, it counts for
+    /// what lies on its way.
+    fn count_row(
+        &mut self,
+        labels: &[u32],
+        start: usize,
+        length: usize,
+        path: &[i64],
+        touching: &BTreeSet<[u32; 2]>,
+        mut add: impl FnMut(&mut Contact),
+    ) {
+        let at = |place: usize, step: i64| labels[(place as i64 + step) as usize];
+        let end = path[path.len() - 1];
+        let (here, there) = (&labels[start..][..length], (start as i64 + end) as usize);
+        if here == &labels[there..][..length] {
+            return;
+        }
+        for place in start..start + length {
+            let (from, to) = (labels[place], at(place, end));
+            if from == to {
+                continue;
+            }
+            if touching.contains(&pair(from, to)) {
+                add(self.0.entry(pair(from, to)).or_default());
+                continue;
+            }
+            // The way from one label to the other without its loops: each interface that it crosses for good.
+            let (mut label, mut next) = (from, 0);
+            while label != to {
+                let last = (next..path.len()).rev().find(|&n| at(place, path[n]) == label);
+                next = last.map_or(next, |n| n + 1);
+                let entered = at(place, path[next]);
+                add(self.0.entry(pair(label, entered)).or_default());
+                label = entered;
+            }
+        }
+    }
+
+    fn count_rims(&mut self, tile: &IndexBox, labels: &Block<u32>) {
+        let [nx, ny, _] = labels.region().extent();
+        let corners = [0, 1, nx, nx + 1].map(|n| [n, n + nx * ny]).concat();
+        for (y, z) in tile.rows() {
+            let start = labels.offset([tile.lower[0], y, z]);
+            for place in start..start + tile.extent()[0] {
+                let mut seen: Vec<u32> = Vec::new();
+                for corner in &corners {
+                    let label = labels.values()[place + corner];
+                    if !seen.contains(&label) {
+                        seen.push(label);
+                    }
+                }
+                if seen.len() < 3 {
+                    continue;
+                }
+                for (n, &a) in seen.iter().enumerate() {
+                    for &b in &seen[n + 1..] {
+                        self.0.entry(pair(a, b)).or_default().rim += 1;
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// The labels of which voxels share a face.
+fn touching(labels: &Block<u32>) -> BTreeSet<[u32; 2]> {
+    let [nx, ny, _] = labels.region().extent();
+    let (values, mut found) = (labels.values(), BTreeSet::new());
+    let mut last = [0; 2];
+    for (y, z) in labels.region().rows() {
+        let start = labels.offset([labels.region().lower[0], y, z]);
+        let [more_y, more_z] = [y + 1 < labels.region().upper[1], z + 1 < labels.region().upper[2]];
+        for x in 0..nx {
+            let next = [(x + 1 < nx, 1), (more_y, nx), (more_z, nx * ny)];
+            for (_, step) in next.into_iter().filter(|(is_there, _)| *is_there) {
+                let key = pair(values[start + x], values[start + x + step]);
+                if key[0] != key[1] && key != last {
+                    last = key;
+                    found.insert(key);
+                }
+            }
+        }
+    }
+    found
+}
+
+fn pair(a: u32, b: u32) -> [u32; 2] {
+    [a.min(b), a.max(b)]
+}
+
+/// The voxels on the way along a displacement, its end included, its beginning not.
+fn between(displacement: [i64; 3]) -> impl Iterator<Item = [i64; 3]> {
+    let steps = displacement.iter().map(|v| v.abs()).max().unwrap_or(1);
+    let part = move |v: i64, k: i64| (2 * v * k + steps).div_euclid(2 * steps);
+    (1..=steps).map(move |k| displacement.map(|v| part(v, k)))
+}

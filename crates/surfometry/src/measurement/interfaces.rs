@@ -1,0 +1,269 @@
+//! What the labels of an image have in common: the area and the curvature of the contact of any two.
+
+use super::scheme::{Scheme, with_scheme};
+use super::setup::Setup;
+use super::{EmbeddingKind, MeasureError, Measurement};
+use crate::accuracy::of_average;
+use crate::embedding::{Embedding, GaussianEmbedding};
+use crate::integrals::{Integrals, Partial};
+use crate::interfaces::{Contact, Contacts, Contrast, PairWeights};
+use crate::local_geometry::Differentiation;
+use crate::tiling::IndexBox;
+use crate::volume::{LabelGroup, LabelImage, VolumeError};
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+/// The contact of two labels, of which background, 0, may be one.
+///
+/// Areas are counted, not blurred (docs/quantities.md): each shared face counts once, so that the interfaces of a label add
+/// up to its area. Curvature is that of the surface on which both labels' blurs are equal, where no third label is near; its
+/// normal points from the first label to the second.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Interface {
+    /// The two, the lower label first.
+    pub labels: [LabelGroup; 2],
+    /// Their names, where they have any.
+    pub names: [Option<String>; 2],
+    /// Area and curvature; null where they could not be had.
+    #[serde(flatten)]
+    pub values: InterfaceValues,
+    /// Their standard errors.
+    pub standard_error: InterfaceValues,
+    /// Share of the area over which curvature was measured: none of the rest is more than two sigma from a third label.
+    pub curvature_share: f64,
+}
+
+/// Area and curvature of an interface, or the errors of such.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+pub struct InterfaceValues {
+    /// Area of contact.
+    pub surface_area_mm2: Option<f64>,
+    /// Integral of H, positive where the first label is convex.
+    pub total_mean_curvature_mm: Option<f64>,
+    /// Mean of H.
+    pub average_mean_curvature_per_mm: Option<f64>,
+}
+
+/// Share of third labels, after the blur, up to which a voxel tells the curvature of two.
+const OTHERS: f64 = 0.02;
+/// Band voxels below which there is no curvature to speak of.
+const FEWEST: u64 = 100;
+/// Standard errors of the area: a share of it, of directions that count for more than others; of smooth surfaces in units of
+/// the root of the area times the spacing; of rims, which lie anywhere between voxels, in units of the root of their number of cells, and of
+/// that number where they lie along the grid.
+const OF_DIRECTIONS: f64 = 0.003;
+const OF_SURFACE: f64 = 0.1;
+const OF_RIM: f64 = 0.6;
+const OF_GRIDDED_RIM: f64 = 0.12;
+/// Area of the voxels' faces, as a multiple of the interface's, up to which that lies along the grid, in part.
+const GRIDDED: f64 = 1.1;
+
+/// The objects of an image as numbers, background being 0.
+struct Partition<'a> {
+    image: &'a LabelImage,
+    /// By number.
+    objects: Vec<LabelGroup>,
+    number_of: BTreeMap<i64, u32>,
+    volumes: Vec<f64>,
+}
+
+impl Measurement {
+    /// The interfaces of the objects of an image, and of whatever other labels it has, each by itself, with background, in
+    /// order of their labels: all pairs of which voxels share a face.
+    ///
+    /// Blur and band are those of the choices; interfaces have an area at any embedding, and curvature where there is a blur
+    /// at level 0.5.
+    ///
+    /// # Errors
+    /// [`MeasureError`] for parameters that make no sense, labels that do not occur, or objects that share one.
+    pub fn interfaces(
+        &self,
+        image: &LabelImage,
+        objects: &[LabelGroup],
+    ) -> Result<Vec<Interface>, MeasureError> {
+        let setup = Setup::of_masks(&self.embedding(EmbeddingKind::Gaussian), *image.grid())?;
+        Scheme::check_reach(&setup)?;
+        let partition = Partition::of(image, objects)?;
+        let weights = PairWeights::new(image.grid().spacing());
+        let labels_of = |region: &IndexBox| image.dense(region, |label| partition.number(label));
+        let contacts = Contacts::count(&image.grid().index_box(), &weights, &labels_of);
+        let touching = |contact: &Contact| weights.faces(&contact.pairs).iter().any(|&area| area > 0.0);
+        let found: Vec<_> = contacts.0.into_iter().filter(|(_, contact)| touching(contact)).collect();
+        let interface =
+            |(pair, contact): &([u32; 2], Contact)| partition.interface(&setup, &weights, *pair, contact);
+        Ok(found.par_iter().map(interface).collect())
+    }
+}
+
+impl<'a> Partition<'a> {
+    fn of(image: &'a LabelImage, chosen: &[LabelGroup]) -> Result<Self, MeasureError> {
+        let mut number_of = BTreeMap::new();
+        let mut objects = Vec::new();
+        for object in chosen {
+            for &label in object.labels() {
+                if image.summary(label).is_none() {
+                    let present = image.summaries().iter().map(|s| s.label.to_string());
+                    let present = present.collect::<Vec<_>>().join(", ");
+                    return Err(VolumeError::NoSuchLabel { missing: label, present }.into());
+                }
+                if number_of.insert(label, 0).is_some() {
+                    return Err(MeasureError::Conflict(
+                        "two of the objects share a label, so that their interface is no surface: name each label once",
+                    ));
+                }
+            }
+            objects.push(object.clone());
+        }
+        let others = image.summaries().iter().map(|s| s.label).filter(|label| !number_of.contains_key(label));
+        objects.extend(others.map(LabelGroup::single).collect::<Vec<_>>());
+        objects.push(LabelGroup::single(0));
+        objects.sort_by(|a, b| a.labels().cmp(b.labels()));
+        let background = objects.iter().position(|object| object.labels() == [0]).unwrap_or_default();
+        // Background is number 0; the others keep their order.
+        let background = objects.remove(background);
+        objects.insert(0, background);
+        for (number, object) in objects.iter().enumerate() {
+            object.labels().iter().for_each(|&label| {
+                number_of.insert(label, number as u32);
+            });
+        }
+        let cell = image.grid().spacing().cell_volume();
+        let voxels = |label: &i64| image.summary(*label).map_or(0, |summary| summary.voxels);
+        let volume = |object: &LabelGroup| object.labels().iter().map(voxels).sum::<u64>() as f64 * cell;
+        let volumes = objects.iter().map(volume).collect();
+        Ok(Self { image, objects, number_of, volumes })
+    }
+
+    fn number(&self, label: i64) -> u32 {
+        self.number_of.get(&label).copied().unwrap_or_default()
+    }
+
+    fn interface(
+        &self,
+        setup: &Setup,
+        weights: &PairWeights,
+        pair: [u32; 2],
+        contact: &Contact,
+    ) -> Interface {
+        let area = Some(weights.area(&contact.pairs)).filter(|&area| area > 0.0);
+        let mut numbers = pair;
+        // A negative label is lower than background.
+        numbers.sort_by(|a, b| self.object(*a).labels().cmp(self.object(*b).labels()));
+        let error = area.map(|area| self.area_error(weights, pair, contact, area));
+        let core = self.core(setup, numbers, &contact.boxes);
+        let known = area.zip(error);
+        let curvature = known.and_then(|known| core.as_ref()?.curvature(setup, known.0));
+        let [average, average_error, share] = curvature.unwrap_or_default();
+        let of = |area: Option<f64>, total: f64, average: f64| InterfaceValues {
+            surface_area_mm2: area,
+            total_mean_curvature_mm: curvature.map(|_| total),
+            average_mean_curvature_per_mm: curvature.map(|_| average),
+        };
+        let total =
+            |(area, error): (f64, f64)| [area * average, libm::hypot(area * average_error, error * average)];
+        let [total, total_error] = known.map(total).unwrap_or_default();
+        Interface {
+            labels: numbers.map(|number| self.object(number).clone()),
+            names: [None, None],
+            values: of(area, total, average),
+            standard_error: of(error, total_error, average_error),
+            curvature_share: share,
+        }
+    }
+
+    fn object(&self, number: u32) -> &LabelGroup {
+        &self.objects[number as usize]
+    }
+
+    /// Standard error of a counted area.
+    fn area_error(&self, weights: &PairWeights, pair: [u32; 2], contact: &Contact, area: f64) -> f64 {
+        let spacing = self.image.grid().spacing();
+        let (h, rim) = (spacing.geometric_mean(), contact.rim as f64);
+        // A cell of the rim is about half a spacing of its length.
+        let rim_cell = spacing.largest() * h;
+        let faces: f64 = weights.faces(&contact.pairs).iter().sum();
+        let gridded = ((GRIDDED - faces / area) / (GRIDDED - 1.0)).clamp(0.0, 1.0);
+        let thin = |number: u32| match number {
+            0 => 0.0,
+            _ => weights.loss_of_layer(2.0 * self.volumes[number as usize] / area),
+        };
+        let errors = [
+            OF_DIRECTIONS * area,
+            OF_SURFACE * h * area.sqrt(),
+            OF_RIM * rim_cell * rim.sqrt(),
+            OF_GRIDDED_RIM * gridded * rim_cell * rim,
+            area * pair.map(thin).into_iter().fold(0.0, f64::max),
+        ];
+        errors.into_iter().fold(0.0, libm::hypot)
+    }
+
+    /// What the band around the middle of two labels adds up to, away from all others; `None` where there is no blur at level
+    /// 0.5.
+    fn core(&self, setup: &Setup, [from, to]: [u32; 2], boxes: &[IndexBox]) -> Option<Core> {
+        setup.parameters.compensable_sigma()?;
+        let [from, to] = [from, to].map(|number| self.object(number).labels());
+        let amounts = |labels: &[i64], amount: f32| labels.iter().map(|&l| (l, amount)).collect::<Vec<_>>();
+        // phi = (u_to - u_from) / 2 and what the others have, 1 - u_from - u_to, each as a level less a blur. Background is what
+        // is left of 1.
+        let (level, middle, least, others) = match (from, to) {
+            ([0], to) => (
+                -0.5,
+                Contrast::new(self.image, amounts(to, -1.0), -0.5),
+                0.0,
+                Contrast::new(self.image, amounts(to, 0.0), -1.0),
+            ),
+            (from, [0]) => (
+                0.5,
+                Contrast::new(self.image, amounts(from, 1.0), 0.5),
+                0.0,
+                Contrast::new(self.image, amounts(from, 0.0), -1.0),
+            ),
+            (from, to) => {
+                let both = [amounts(from, 0.5), amounts(to, -0.5)].concat();
+                let sum = [amounts(from, 1.0), amounts(to, 1.0)].concat();
+                (0.0, Contrast::new(self.image, both, 0.0), 1.0, Contrast::new(self.image, sum, 0.0))
+            }
+        };
+        let mut own = setup.clone();
+        own.parameters.level = Some(level);
+        let scheme = Scheme::of_blur(&own, &middle)?;
+        let others =
+            GaussianEmbedding::of_profile(&others, &setup.parameters.profile()?, least, setup.truncation());
+        let half_width = setup.band.delta().half_width();
+        let mut sum = Partial::default();
+        for tile in boxes {
+            let share = others.evaluate(tile, half_width);
+            let part_of = |index: [i64; 3]| (f64::from(share.get(index)) < OTHERS).then_some(0);
+            let parts = with_scheme!(&scheme, s => {
+                let field = s.tile_field(Vec::new(), tile, half_width);
+                Partial::of_tile_by_part(s, &field, tile, &setup.band, &setup.quadrature, &part_of, &mut |_, _| {})
+            });
+            sum = parts.values().fold(sum, |sum, part| sum.merged(part));
+        }
+        let integrals = Integrals::of(&sum, setup.grid.spacing());
+        (integrals.band_voxels >= FEWEST && integrals.has_surface()).then_some(Core(integrals))
+    }
+}
+
+/// The part of an interface that no third label is near.
+struct Core(Integrals);
+
+impl Core {
+    /// Mean of H, its standard error, and the share of an area that it is of; `None` where nothing is known of errors.
+    fn curvature(&self, setup: &Setup, area: f64) -> Option<[f64; 3]> {
+        let Self(integrals) = self;
+        let terms = setup.compensation(Some(*integrals), None)?;
+        let own = terms.added_to(integrals);
+        let average = own.total_mean_curvature / own.area;
+        let errors = setup.error_model(integrals)?.compensated(integrals);
+        let of_core =
+            of_average([own.area, own.total_mean_curvature], [errors.area, errors.total_mean_curvature], 0.0);
+        let share = (own.area / area).min(1.0);
+        // What lies beside third labels may be curved as much as the rest varies.
+        let surface = &integrals.surface;
+        let mean = surface.total_mean_curvature / surface.area;
+        let spread = (surface.total_squared_mean_curvature / surface.area - mean * mean).max(0.0).sqrt();
+        Some([average, libm::hypot(of_core, (1.0 - share) * spread), share])
+    }
+}

@@ -1,0 +1,140 @@
+//! Tables of what records hold lists of: the parts of objects by regions, and their interfaces.
+
+use super::document::text_cell;
+use super::{Failure, Record, Sink};
+use crate::inputs::with_parts;
+use crate::io::write_whole;
+use crate::measurement::{Interface, InterfaceValues, RegionPart, SurfaceValues};
+use serde::Serialize;
+use serde_json::Value;
+use std::collections::BTreeSet;
+use std::io;
+use std::path::{Path, PathBuf};
+
+const OBJECT: [&str; 4] = ["input", "label", "name", "component"];
+const REGION: [&str; 4] = ["region", "region_name", "voxels", "border_area_mm2"];
+const CONTACT: [&str; 5] = ["input", "label_1", "label_2", "name_1", "name_2"];
+
+/// Hands records on, and keeps the rows of the tables that lie beside theirs: `x_regions.csv` and `x_interfaces.csv` beside
+/// `x.csv`.
+pub struct PartTables<'a> {
+    inner: &'a mut dyn Sink<Record>,
+    regions: Vec<Vec<String>>,
+    interfaces: Vec<Vec<String>>,
+    /// Interfaces that have a row: each is in the records of both objects.
+    known: BTreeSet<[String; 3]>,
+}
+
+impl<'a> PartTables<'a> {
+    /// In front of a sink.
+    pub fn new(inner: &'a mut dyn Sink<Record>) -> Self {
+        Self { inner, regions: Vec::new(), interfaces: Vec::new(), known: BTreeSet::new() }
+    }
+
+    /// The tables that lie beside one, as far as they are asked for.
+    pub fn paths(beside: &Path, regions: bool, interfaces: bool) -> Vec<PathBuf> {
+        let asked = [("regions", regions), ("interfaces", interfaces)];
+        asked.iter().filter(|(_, asked)| *asked).map(|(name, _)| with_parts(beside, &[*name])).collect()
+    }
+
+    /// Writes those of them that were asked for, whole or not at all.
+    ///
+    /// # Errors
+    /// Whatever keeps one from being written.
+    pub fn write(self, beside: &Path, regions: bool, interfaces: bool) -> io::Result<()> {
+        let values = names_of(&SurfaceValues::default())?;
+        let blurred = values.iter().map(|name| format!("blurred_{name}"));
+        let region_columns = [strings(&OBJECT), strings(&REGION), with_errors(&values)].concat();
+        let contacts = with_errors(&names_of(&InterfaceValues::default())?);
+        let contact_columns = [strings(&CONTACT), contacts, strings(&["curvature_share"])].concat();
+        let tables = [
+            (regions, "regions", region_columns.into_iter().chain(blurred).collect(), self.regions),
+            (interfaces, "interfaces", contact_columns, self.interfaces),
+        ];
+        for (_, name, columns, rows) in tables.into_iter().filter(|(asked, ..)| *asked) {
+            write_table(&with_parts(beside, &[name]), &columns, &rows)?;
+        }
+        Ok(())
+    }
+
+    fn add_region(&mut self, record: &Record, part: &RegionPart) -> io::Result<()> {
+        let label = record.label.as_ref().map(ToString::to_string).unwrap_or_default();
+        let component = record.component.map(|piece| piece.to_string()).unwrap_or_default();
+        let mut row = vec![text_cell(record.input.clone()), label, text(record.name.as_ref()), component];
+        row.extend([part.region.to_string(), text(part.name.as_ref())]);
+        row.extend([part.voxels.to_string(), part.border_area_mm2.to_string()]);
+        for values in [&part.values, &part.standard_error, &part.blurred] {
+            row.extend(cells_of(values)?);
+        }
+        self.regions.push(row);
+        Ok(())
+    }
+
+    fn add_interface(&mut self, record: &Record, interface: &Interface) -> io::Result<()> {
+        let [first, second] = interface.labels.each_ref().map(ToString::to_string);
+        if !self.known.insert([record.input.clone(), first.clone(), second.clone()]) {
+            return Ok(());
+        }
+        let mut row = vec![text_cell(record.input.clone()), first, second];
+        row.extend(interface.names.iter().map(|name| text(name.as_ref())));
+        row.extend(cells_of(&interface.values)?);
+        row.extend(cells_of(&interface.standard_error)?);
+        row.push(interface.curvature_share.to_string());
+        self.interfaces.push(row);
+        Ok(())
+    }
+}
+
+impl Sink<Record> for PartTables<'_> {
+    fn row(&mut self, row: Record) -> io::Result<()> {
+        for part in row.regions.iter().flatten() {
+            self.add_region(&row, part)?;
+        }
+        for interface in row.interfaces.iter().flatten() {
+            self.add_interface(&row, interface)?;
+        }
+        self.inner.row(row)
+    }
+
+    fn failure(&mut self, failure: Failure) -> io::Result<()> {
+        self.inner.failure(failure)
+    }
+
+    fn input_ends(&mut self) -> io::Result<()> {
+        self.inner.input_ends()
+    }
+}
+
+fn strings(names: &[&str]) -> Vec<String> {
+    names.iter().map(|&name| name.to_owned()).collect()
+}
+
+fn with_errors(values: &[String]) -> Vec<String> {
+    let errors = values.iter().map(|name| format!("standard_error_{name}"));
+    values.iter().cloned().chain(errors).collect()
+}
+
+/// Names of a structure's fields, in the order in which their values come.
+fn names_of(values: &impl Serialize) -> io::Result<Vec<String>> {
+    let Value::Object(fields) = serde_json::to_value(values)? else { return Ok(Vec::new()) };
+    Ok(fields.into_iter().map(|(name, _)| name).collect())
+}
+
+fn cells_of(values: &impl Serialize) -> io::Result<Vec<String>> {
+    let Value::Object(fields) = serde_json::to_value(values)? else { return Ok(Vec::new()) };
+    let cell = |value: Value| if value.is_null() { String::new() } else { value.to_string() };
+    Ok(fields.into_iter().map(|(_, value)| cell(value)).collect())
+}
+
+fn text(name: Option<&String>) -> String {
+    name.cloned().map(text_cell).unwrap_or_default()
+}
+
+fn write_table(path: &Path, columns: &[String], rows: &[Vec<String>]) -> io::Result<()> {
+    write_whole(path, |out| {
+        let mut table = csv::Writer::from_writer(out);
+        table.write_record(columns)?;
+        rows.iter().try_for_each(|row| table.write_record(row))?;
+        table.flush()
+    })
+}
