@@ -32,9 +32,28 @@ pub enum PictureError {
     #[error("the block's affine is singular: two of its axes coincide or a spacing is 0")]
     SingularAffine,
     /// A quantity that the object does not have.
-    #[error("{quantity} is defined for the Gaussian embedding at level 0.5 only: choose another quantity")]
+    #[error("{quantity} is defined for the {embedding} only: choose another quantity")]
     Undefined {
         /// The quantity.
         quantity: &'static str,
+        /// What has it.
+        embedding: &'static str,
     },
+    /// A slice that is nowhere near the object.
+    #[error(
+        "there is no slice {axis} = {index} of this object: it and what lies around it have {axis} = {first} to {last}"
+    )]
+    NoSlice {
+        /// Name of the image axis.
+        axis: char,
+        /// What was asked for.
+        index: i64,
+        /// The first that there is.
+        first: i64,
+        /// The last.
+        last: i64,
+    },
+    /// A picture that cannot be drawn as PDF.
+    #[error("the picture cannot be written as PDF: {0}")]
+    Pdf(&'static str),
 }

@@ -12,6 +12,7 @@
 //! ```
 
 mod agreement_chart;
+mod ambient_occlusion;
 mod axes;
 mod camera;
 mod canvas;
@@ -28,6 +29,10 @@ mod histogram_picture;
 mod layout;
 mod line_chart;
 mod object_pictures;
+mod object_slices;
+mod palette;
+mod pdf;
+mod pdf_font;
 mod quantity;
 mod raster;
 mod ray_marching;
@@ -39,6 +44,7 @@ mod surface_rendering;
 mod ticks;
 mod view;
 mod view_panels;
+mod viewpoint;
 mod volume_rendering;
 
 pub use agreement_chart::{AgreementChart, AgreementPanel};
@@ -49,13 +55,17 @@ pub use euler_histogram::EulerHistogram;
 pub use figure::Figure;
 pub use histogram_picture::{HistogramPicture, HistogramSeries};
 pub use line_chart::{ChartLine, ChartPanel, LineChart};
+pub(crate) use object_pictures::how_mapped;
 pub use object_pictures::{PictureKind, PictureStyle, color_scale, picture};
+pub use object_slices::SlicePlane;
+pub use palette::Palette;
 pub use quantity::Quantity;
 pub use raster::{Background, Raster};
 pub use slice_picture::{Slice, SlicePicture};
-pub use surface_picture::SurfacePicture;
+pub use surface_picture::{SceneSurface, SurfacePicture};
 pub use surface_rendering::{ColoredSurface, render_surface};
 #[cfg(feature = "report")]
 pub(crate) use ticks::significant;
 pub use view::{Basis, View};
+pub use viewpoint::{CameraAngles, Viewpoint};
 pub use volume_rendering::VolumeRendering;

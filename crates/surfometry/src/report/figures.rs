@@ -2,7 +2,7 @@
 
 use super::{MOST_TRIANGLES, Scene};
 use crate::measurement::Object;
-use crate::pictures::{LineChart, PictureError, PictureKind, PictureStyle, View, picture};
+use crate::pictures::{LineChart, PictureError, PictureKind, PictureStyle, View, Viewpoint, picture};
 use crate::runs::{InputObject, SurfaceRecord, sweep_panels};
 use crate::surface::{LocalQuantity, Surface};
 use crate::volume::hexadecimal;
@@ -56,7 +56,8 @@ impl ObjectReport {
         let surface = source.surface();
         let scene = Scene::of(surface, room);
         let draw = |kind, quantity| {
-            let style = PictureStyle { quantity, limit: None, views: VIEWS.to_vec(), title: String::new() };
+            let views = VIEWS.map(Viewpoint::from).to_vec();
+            let style = PictureStyle { quantity, views, ..PictureStyle::default() };
             Ok::<_, PictureError>(picture(kind, source.local(), surface, &style)?.svg().to_owned())
         };
         let shown: &[LocalQuantity] = if surface.is_empty() { &[] } else { &DRAWN };

@@ -77,6 +77,7 @@ impl Scene {
                 colors: stops.map(|(place, [r, g, b])| (place, format!("rgb({r},{g},{b})"))).collect(),
             })
         };
+        let shown = LocalQuantity::ALL.iter().copied().filter(|quantity| !quantity.is_standard_error());
         Some(Self {
             x: coordinate(0),
             y: coordinate(1),
@@ -84,7 +85,7 @@ impl Scene {
             i: corner(0),
             j: corner(1),
             k: corner(2),
-            quantities: LocalQuantity::ALL.iter().copied().filter_map(layer).collect(),
+            quantities: shown.filter_map(layer).collect(),
         })
     }
 }

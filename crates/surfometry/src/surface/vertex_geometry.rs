@@ -40,17 +40,6 @@ type DirectionArray = (&'static str, fn(&VertexGeometry) -> [f64; 3]);
 const DIRECTION_ARRAYS: [DirectionArray; 3] =
     [("normal", |g| g.normal), ("direction_1", |g| g.direction_1), ("direction_2", |g| g.direction_2)];
 
-/// An array of standard errors: name and value.
-type ErrorArray = (&'static str, fn(&CurvatureErrors) -> f32);
-
-const ERROR_ARRAYS: [ErrorArray; 5] = [
-    ("mean_curvature_per_mm_standard_error", |e| e.mean_curvature),
-    ("gaussian_curvature_per_mm2_standard_error", |e| e.gaussian_curvature),
-    ("k1_per_mm_standard_error", |e| e.principal),
-    ("k2_per_mm_standard_error", |e| e.principal),
-    ("shape_index_standard_error", |e| e.shape_index),
-];
-
 impl VertexGeometry {
     /// From the field's derivatives along the image's axes, and the curvature that follows from them.
     pub(super) fn of(jet: &Jet, curvature: Curvature, displacement: Option<f64>, grid: &Grid) -> Self {
@@ -99,14 +88,9 @@ impl VertexGeometry {
         };
         let [normal, directions @ ..] = DIRECTION_ARRAYS.map(vector);
         let mut arrays: Vec<VertexArray> = LocalQuantity::ALL.iter().copied().filter_map(scalar).collect();
-        // In the contract's order: H, K, k1, k2, then directions.
+        // In the contract's order: H, K, k1, k2, then directions; standard errors last.
         arrays.splice(4..4, directions);
         arrays.insert(0, normal);
-        arrays.extend(ERROR_ARRAYS.into_iter().filter_map(|(name, error)| {
-            let values =
-                vertices.iter().map(|v| v.errors.map(|e| f64::from(error(&e)))).collect::<Option<_>>()?;
-            Some(VertexArray { name: name.into(), values: VertexValues::Scalar(values) })
-        }));
         let sigmas: Option<Vec<f64>> = vertices.iter().map(|v| v.curvature_sigma.map(f64::from)).collect();
         if let Some(sigmas) = sigmas.filter(|sigmas| !sigmas.is_empty()) {
             arrays.push(VertexArray {
