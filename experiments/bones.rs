@@ -86,7 +86,8 @@ pub(crate) fn surface_picture(
     (quantity, limit): (LocalQuantity, Option<f64>),
     view: View,
 ) -> Result<Figure> {
-    let style = PictureStyle { quantity, limit, views: vec![view], title: title.to_owned() };
+    let views = vec![view.into()];
+    let style = PictureStyle { quantity, limit, views, title: title.to_owned(), ..PictureStyle::default() };
     Ok(picture(PictureKind::Surface, object, &object.surface(), &style)?)
 }
 

@@ -7,7 +7,7 @@ use crate::table::Table;
 use anyhow::{Context, Result};
 use surfometry::Measurement;
 use surfometry::pictures::{
-    ChartLine, ChartPanel, ColorScale, LineChart, Quantity, ScaleKind, SurfacePicture, View,
+    ChartLine, ChartPanel, ColorScale, LineChart, Quantity, ScaleKind, SceneSurface, SurfacePicture, View,
 };
 use surfometry::reference_methods::{OdgaardGundersen, ReferenceMethod};
 use surfometry::surface::Surface;
@@ -158,14 +158,13 @@ fn highlighted(bone: &Bone, surface: &Surface) -> Result<surfometry::pictures::F
         .collect();
     let normals: Vec<[f64; 3]> = surface.vertices.iter().map(|v| v.normal).collect();
     Ok(SurfacePicture {
-        mesh: &surface.mesh,
-        values: &values,
-        normals: &normals,
+        surfaces: &[SceneSurface { name: "", mesh: &surface.mesh, values: &values, normals: &normals }],
         quantity: Quantity { name: "second hole", unit: "" },
         scale: ColorScale::new(ScaleKind::Diverging, 1.0),
-        views: &[View::Superior],
+        views: &[View::Superior.into()],
         title: &bone.name,
         caption: "",
+        width: None,
     }
     .figure()?)
 }

@@ -117,7 +117,7 @@ fn response(object: &Object, t: f64) -> Result<Figure> {
             size: [nx, ny],
             spacing: [h[0], h[1]],
             mask: places.clone().map(|index| object.mask().get(index)).collect(),
-            phi: places.map(|index| value(f64::from(phi.get(index))) as f32).collect(),
+            values: places.map(|index| value(f64::from(phi.get(index))) as f32).collect(),
             contour: Vec::new(),
         }
     };
@@ -129,6 +129,7 @@ fn response(object: &Object, t: f64) -> Result<Figure> {
         scale: ColorScale::new(ScaleKind::Sequential, 1.0),
         title: &format!("t = {t} mm"),
         caption: "",
+        width: None,
     }
     .figure()?)
 }

@@ -183,7 +183,7 @@ fn charts(desk: &mut Desk, rows: &[Row]) -> Result<()> {
             let panels: Vec<AgreementPanel> = of_measures
                 .iter()
                 .zip(&agreements)
-                .map(|((name, pairs), agreement)| AgreementPanel { name, pairs, agreement })
+                .map(|((name, pairs), agreement)| AgreementPanel { name, pairs, objects: &[], agreement })
                 .collect();
             let method = format!("{kind}, {called}");
             let chart = AgreementChart { method: &method, standard: "standard", panels: &panels };

@@ -469,6 +469,7 @@ def voxel_maps(
     spacing: float | Sequence[float] | None = None,
     *,
     quantities: str | Sequence[str] = "mean-curvature",
+    outside: float = 0.0,
     curvature_sigma: float | str | None = None,
     label: Labels | None = None,
     threshold: Threshold | None = None,
@@ -496,6 +497,9 @@ sigma, thickness, level, embedding, derivatives, clip, padding, paper, names, na
         As of `measure`.
     quantities : str or sequence of str
         Of ``mean-curvature``, ``gaussian-curvature``, ``delta``, ``phi``, ``band``.
+    outside : {0, nan}
+        What maps of curvature have outside the band: 0, which viewers take for nothing, or ``math.nan``, which no mean
+        takes for a value.
     curvature_sigma : float, {"auto", "local", "object"} or None
         As of `surface`.
 
@@ -513,7 +517,8 @@ sigma, thickness, level, embedding, derivatives, clip, padding, paper, names, na
     asked = [quantities] if isinstance(quantities, str) else list(quantities)
     known, options = _prepared(image, spacing, chosen(locals()), names, name)
     with session(threads, progress, one_object=label is None) as running:
-        found = _core.voxel_maps(Request(known, options, running), _scale(curvature_sigma), asked)
+        filling = f"{outside:g}"
+        found = _core.voxel_maps(Request(known, options, running), _scale(curvature_sigma), asked, filling)
     maps = only(found)
     if isinstance(known, str):
         # Its place in the world, not its voxels: those are measured already.

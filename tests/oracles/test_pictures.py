@@ -2,6 +2,8 @@
 
 import base64
 import io
+import shutil
+import subprocess
 from functools import cached_property
 from xml.etree import ElementTree
 
@@ -269,3 +271,44 @@ def test_real_objects(tmp_path, name):
     assert mesh.is_watertight
     assert mesh.volume == pytest.approx(mask.sum() * abs(np.linalg.det(image.affine[:3, :3])), rel=rel)
     check_silhouettes(seen, mask, image.affine, mesh, least)
+
+
+@pytest.mark.skipif(not shutil.which("pdftoppm"), reason="poppler is absent")
+def test_a_pdf_is_its_png(tmp_path):
+    """Poppler draws what resvg drew, and finds the text, hostile titles and signs included."""
+    title = "<script>alert(1)</script> (φ) & L4"
+    options = ["--title", title, "--size", "120mm", "--dpi", 144, "--view", "anterior,left", "--limit", "0.2"]
+    figure, png = tmp_path / "f.pdf", tmp_path / "f.png"
+    surfometry("map", "phantom:torus?major=14&minor=6&rotate=60,10,0", *options, "-o", figure, "-o", png)
+    text = subprocess.run(["pdftotext", "-layout", figure, "-"], capture_output=True, text=True, check=True).stdout
+    for words in [title, "Mean curvature H (mm⁻¹)", "Anterior", "Left", "surfometry", "−0.2"]:
+        assert words in " ".join(text.split()), (words, text)
+    subprocess.run(["pdftoppm", "-r", "144", "-png", "-singlefile", figure, tmp_path / "drawn"], check=True)
+    found, expected = (np.asarray(Image.open(p).convert("RGB")).astype(float) for p in [tmp_path / "drawn.png", png])
+    assert expected.shape[1] == round(120 / 25.4 * 144) and np.abs(np.subtract(found.shape, expected.shape)).max() <= 1
+    height, width = np.minimum(found.shape, expected.shape)[:2]
+    # Poppler and resvg smooth edges in their own ways.
+    smoothed = [ndimage.uniform_filter(p[:height, :width], (7, 7, 1)) for p in [found, expected]]
+    assert np.abs(np.subtract(*smoothed)).max() < 40 and np.abs(np.subtract(*smoothed)).mean() < 1
+
+
+def test_a_camera_sees_what_a_turned_object_shows(tmp_path):
+    """Azimuth 30, elevation 20: the mask turned by numpy, from the front."""
+    mask = np.pad(lumpy((40, 34, 28), 5), 2)
+    affine = mirrored()
+    source = save_mask(tmp_path / "mask.nii.gz", mask, affine)
+    surfometry("map", source, "-o", tmp_path / "c.svg", "--camera", "30,20", "--sigma", "0.7")
+    elements = list(ElementTree.parse(tmp_path / "c.svg").getroot())
+    image = next(e for e in elements if e.tag == SVG + "image")
+    bar = [i for i, e in enumerate(elements) if e.tag == SVG + "rect" and e.get("height") == "3.00"][-1]
+    panel = Panel(image, float(elements[bar + 1].text.split()[0]) / float(elements[bar].get("width")))
+    azimuth, elevation = np.radians([30, 20])
+    toward = np.array([-np.sin(azimuth) * np.cos(elevation), np.cos(azimuth) * np.cos(elevation), np.sin(elevation)])
+    right = np.cross([0, 0, 1], toward)
+    right /= np.linalg.norm(right)
+    world = nib.affines.apply_affine(affine, np.argwhere(mask))
+    across, up = world @ right, world @ np.cross(toward, right)
+    rows, columns = panel.object.nonzero()
+    seen = [np.ptp(columns) * panel.mm_per_pixel, np.ptp(rows) * panel.mm_per_pixel]
+    # To a voxel: the shadow of voxels' centres is smaller than that of the surface by one.
+    np.testing.assert_allclose(seen, [np.ptp(across), np.ptp(up)], atol=1.6)

@@ -144,3 +144,55 @@ def test_distances_are_scipys_and_itks(tmp_path):
     # From centre to centre of small cubes it is more by up to half of one.
     excess = to_faces[outside] - phi("distance")[outside]
     assert excess.min() > 0 and excess.max() < np.linalg.norm(spacing) / 6 + 1e-6
+
+
+def touching_labels():
+    """Two balls that share a wall and a third beside them, near enough for all their bands to meet."""
+    spacing = np.array([0.8, 1.0, 1.3])
+    place = np.stack(np.meshgrid(*[np.arange(n) for n in (56, 44, 34)], indexing="ij"), axis=-1) * spacing
+    labels = np.zeros(place.shape[:3], np.uint8)
+    for label, centre, radius in [(1, (14, 21, 20), 9), (5, (29.3, 21.7, 20.4), 8), (9, (21, 34.2, 22), 5)]:
+        labels[(np.linalg.norm(place - centre, axis=-1) < radius) & (labels == 0)] = label
+    return labels, np.diag([*spacing, 1])
+
+
+def test_maps_of_all_labels_in_one_image(tmp_path):
+    """A voxel has its own label's value where that has a band there, else that of the nearest surface."""
+    labels, affine = touching_labels()
+    path = save_mask(tmp_path / "labels.nii.gz", labels, affine)
+    kinds = ["mean-curvature", "delta", "phi", "band"]
+    options = ["--sigma", 1.6, "--thickness", 4, "--voxels", ",".join(kinds), "--outside", "nan"]
+    surfometry("map", path, *options, "-o", tmp_path / "one.nii.gz")
+    surfometry("map", path, *options, "--together", "-o", tmp_path / "all.nii.gz")
+    records = measure(path, "--sigma", 1.6, "--thickness", 4)
+
+    def load(name):
+        return np.asarray(nib.load(tmp_path / name).dataobj)
+
+    apart = {kind: [load(f"one_label-{n}_{NAMES[kind]}.nii.gz") for n in (1, 5, 9)] for kind in kinds}
+    together = {kind: load(f"all_{NAMES[kind]}.nii.gz") for kind in kinds}
+    epsilon = [record["parameters"]["epsilon"] for record in records]
+    in_band = np.stack(apart["band"]) == 1
+    own = np.stack([labels == n for n in (1, 5, 9)])
+    distance = np.stack([np.abs(phi) / e for phi, e in zip(apart["phi"], epsilon)])
+    rank = np.where(in_band, np.where(own, -1, distance), np.inf)
+    winner = rank.argmin(axis=0)
+    somewhere = in_band.any(axis=0)
+    # Bands do overlap, also where none of them is the voxel's own.
+    assert (in_band.sum(axis=0) > 1).sum() > 500 and ((in_band.sum(axis=0) > 1) & (labels == 0)).sum() > 100
+    for kind, outside in [("mean-curvature", np.nan), ("delta", 0), ("band", 0)]:
+        chosen = np.take_along_axis(np.stack(apart[kind]), winner[None], axis=0)[0]
+        np.testing.assert_array_equal(together[kind], np.where(somewhere, chosen, outside))
+    np.testing.assert_array_equal(together["phi"], np.min(apart["phi"], axis=0))
+
+
+def test_outside_is_0_or_not_a_number(tmp_path):
+    ball = "phantom:ball?radius=7&spacing=1,0.8,1.3&shift=0.3,0.2,0.1"
+    maps = {}
+    for outside in ["0", "nan"]:
+        path = tmp_path / f"m{outside}.nii"
+        surfometry("map", ball, "--voxels", "gaussian-curvature,band", "--outside", outside, "-o", path)
+        maps[outside] = np.asarray(nib.load(path.with_name(f"m{outside}_{NAMES['gaussian-curvature']}.nii")).dataobj)
+        band = np.asarray(nib.load(path.with_name(f"m{outside}_band.nii")).dataobj) == 1
+    np.testing.assert_array_equal(np.isnan(maps["nan"]), ~band)
+    np.testing.assert_array_equal(np.nan_to_num(maps["nan"]), maps["0"])

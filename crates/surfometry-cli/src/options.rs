@@ -10,7 +10,7 @@ use surfometry::integrals::{QuadratureRule, Smearing};
 use surfometry::io::{RawLayout, ReadError, read_label_names_warning};
 use surfometry::measurement::{Clip, CurvatureScale, Derivatives, EmbeddingKind, Padding};
 use surfometry::runs::words::{curvature_scale, fraction, padding, positive, spacing};
-use surfometry::runs::{Choices, DocumentForm, Lengths, Plan, SelectionWords, SweptParameter};
+use surfometry::runs::{Choices, DocumentForm, Lengths, MapStyle, Plan, SelectionWords, SweptParameter};
 use surfometry::volume::{LabelTable, Spacing};
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -54,8 +54,8 @@ impl OutputOptions {
 pub(crate) struct CurvatureOptions {
     /// Map the surface and its curvature in the corrected embedding, as those of the original object, at this
     /// blur in mm; auto = local = what suits each vertex, in the embedding that gives the object back; object = one
-    /// that suits the object as a whole, faster. Integrals keep --sigma [default:
-    /// the surface as measured]
+    /// that suits the object as a whole, faster. Integrals keep --sigma [default: the surface as measured; of `map`
+    /// with pictures of surfaces alone and no choice of sigma or embedding: auto]
     #[arg(long, value_name = "MM|auto|local|object", value_parser = curvature_scale, allow_hyphen_values = true)]
     curvature_sigma: Option<CurvatureScale>,
 }
@@ -63,6 +63,10 @@ pub(crate) struct CurvatureOptions {
 impl CurvatureOptions {
     pub(crate) fn scale(&self) -> CurvatureScale {
         self.curvature_sigma.unwrap_or_default()
+    }
+
+    pub(crate) fn asked(&self) -> Option<CurvatureScale> {
+        self.curvature_sigma
     }
 }
 
@@ -199,6 +203,15 @@ impl MeasureOptions {
     /// The plan that the options describe, checked.
     pub(crate) fn plan(&self, curvature: CurvatureScale) -> Result<Plan> {
         Ok(self.choices().plan(curvature)?)
+    }
+
+    /// Where a map's curvature is taken, if nothing is said of it.
+    pub(crate) fn scale_of_map<'a>(
+        &self,
+        style: &MapStyle,
+        outputs: impl IntoIterator<Item = &'a PathBuf>,
+    ) -> CurvatureScale {
+        self.choices().scale_of_map(style, outputs)
     }
 
     /// What the options say.

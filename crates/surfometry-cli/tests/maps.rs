@@ -237,13 +237,17 @@ fn pictures_and_voxel_maps_of_several_kinds_are_told_apart() {
 #[test]
 fn what_cannot_be_written_is_refused_before_anything_is_read() {
     let folder = tempfile::tempdir().unwrap();
-    let cases: [(&[&str], &str); 8] = [
+    let cases: [(&[&str], &str); 12] = [
         (&["map", "missing.nii"], "say what to write: -o FILE"),
         (&["map", "missing.nii", "-o", "a.xyz"], "a.xyz: the name must end in one of .ply"),
         (&["map", "missing.nii", "-o", "no/a.ply"], "the folder no does not exist"),
         (&["map", "missing.nii", "-o", "a.ply", "--view", "top"], "invalid value 'top'"),
         (&["map", "missing.nii", "-o", "a.ply", "--limit", "0"], "it must be positive"),
         (&["map", "missing.nii", "-o", "a.ply", "--quantity", "x"], "mean-curvature"),
+        (&["map", "missing.nii", "-o", "a.png", "--range", "2..1"], "write LOW..HIGH"),
+        (&["map", "missing.nii", "-o", "a.png", "--size", "10mm"], "between 40 and 1200 mm"),
+        (&["map", "missing.nii", "-o", "a.png", "--slice", "w=1"], "write AXIS=N"),
+        (&["map", "missing.nii", "-o", "a.png", "--camera", "30"], "write AZIMUTH,ELEVATION"),
         (&["report", "missing.nii"], "--output"),
         (&["measure", "missing.nii", "--png", "a.jpg"], "the picture's name must end in .png"),
     ];
@@ -354,4 +358,65 @@ fn surfaces_are_compared_with_later_ones() {
     assert_eq!(done.status.code(), Some(2));
     assert!(text(&done.stderr).contains("none.nrrd"), "{}", text(&done.stderr));
     assert_eq!(files_in(folder.path()), before);
+}
+
+/// Objects in one picture and one voxel map; meshes stay one an object, and names without the option are what they were.
+#[test]
+fn objects_together() {
+    let folder = tempfile::tempdir().unwrap();
+    three_labels(folder.path());
+    let outputs =
+        ["-o", "s.svg", "-o", "s.pdf", "-o", "m.nii", "-o", "x.ply", "--voxels", "band,mean-curvature"];
+    let args =
+        ["map", "three.nrrd", "--sigma", "2", "--label", "1,4", "--together", "--title", "<b>both</b>"];
+    let done = run_in(folder.path(), &[&args[..], &outputs].concat());
+    assert_eq!(done.status.code(), Some(0), "{}", text(&done.stderr));
+    let printed: BTreeSet<String> = text(&done.stdout).lines().map(str::to_owned).collect();
+    let expected =
+        ["s.svg", "s.pdf", "m_band.nii", "m_mean_curvature_per_mm.nii", "x_label-1.ply", "x_label-4.ply"];
+    assert_eq!(printed, names(&expected));
+    assert_eq!(files_in(folder.path()), names(&[&expected[..], &["three.nrrd"]].concat()));
+    let svg = std::fs::read_to_string(folder.path().join("s.svg")).unwrap();
+    assert!(svg.contains(">&lt;b&gt;both&lt;/b&gt;</text>") && svg.matches("<image").count() == 2);
+
+    let several = ["map", "three.nrrd", BALL, "--sigma", "2", "--together", "-o", "all.png", "-o", "v.nii"];
+    let done = run_in(folder.path(), &several);
+    // Label 7 is lost to the blur, and said to be.
+    assert_eq!(done.status.code(), Some(1));
+    assert!(text(&done.stderr).contains("label 7"), "{}", text(&done.stderr));
+    assert_eq!(text(&done.stdout), "v_three.nii\nv_ball.nii\nall.png\n");
+}
+
+/// Pictures of a surface alone show the original one; where a mesh is written or a blur chosen, what was measured.
+#[test]
+fn pictures_alone_show_the_original_surface() {
+    let folder = tempfile::tempdir().unwrap();
+    let caption = |options: &[&str]| {
+        let done = run_in(folder.path(), &[&["map", BALL, "-o", "p.svg"], options].concat());
+        assert_eq!(done.status.code(), Some(0), "{}", text(&done.stderr));
+        std::fs::read_to_string(folder.path().join("p.svg")).unwrap()
+    };
+    assert!(caption(&[]).contains(">Recovering embedding, sigma"));
+    assert!(caption(&["--quantity", "mean-curvature-standard-error"]).contains("Standard error of mean"));
+    for measured in [&["--sigma", "2"][..], &["-o", "p.csv"], &["--quantity", "displacement"]] {
+        assert!(caption(measured).contains("Gaussian blur, sigma 2 mm"), "{measured:?}");
+    }
+    assert!(caption(&["--caption", "of <me>"]).contains(">of &lt;me&gt;</text>"));
+    let refused = run_in(
+        folder.path(),
+        &[
+            "map",
+            BALL,
+            "-o",
+            "p.svg",
+            "--curvature-sigma",
+            "object",
+            "--picture",
+            "slices",
+            "--slice",
+            "z=900",
+        ],
+    );
+    assert_eq!(refused.status.code(), Some(1));
+    assert!(text(&refused.stderr).contains("there is no slice z = 900"), "{}", text(&refused.stderr));
 }

@@ -12,7 +12,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use surfometry::Control;
 use surfometry::io::{MeshDocument, write_mesh as write};
-use surfometry::measurement::VoxelQuantity;
+use surfometry::measurement::{Outside, VoxelQuantity};
 use surfometry::pictures::color_scale;
 use surfometry::runs::{
     Against, Collected, MapStyle, MappedSurface, Opened, Plan, RunError, SurfaceTask, VoxelMapTask,
@@ -93,11 +93,14 @@ pub(crate) fn voxel_maps<'py>(
     request: Request,
     curvature_sigma: Option<&str>,
     quantities: Vec<String>,
+    outside: &str,
 ) -> PyResult<Vec<Bound<'py, PyDict>>> {
     let named = |name: &String| chosen::<VoxelQuantity>(py, "quantities", name);
     let quantities = quantities.iter().map(named).collect::<PyResult<Vec<_>>>()?;
     let plan = plan(py, &request.options, curvature(py, curvature_sigma)?)?;
-    let task = VoxelMapTask { plan: Plan { recover: false, ..plan }, quantities: quantities.clone() };
+    let outside = chosen::<Outside>(py, "outside", outside)?;
+    let task =
+        VoxelMapTask { plan: Plan { recover: false, ..plan }, quantities: quantities.clone(), outside };
     let found = collected(py, request, task.plan.open.clone(), task)?;
     let as_arrays = |maps: surfometry::runs::VoxelMaps| {
         let [nx, ny, nz] = maps.record.measured.grid.dimensions;

@@ -6,8 +6,9 @@ use std::f64::consts::{PI, TAU};
 use surfometry::Choice;
 use surfometry::integrals::{SmearedDelta, Smearing};
 use surfometry::pictures::{
-    Background, Camera, ColorScale, ColoredSurface, Figure, HistogramPicture, HistogramSeries, PictureError,
-    Quantity, Raster, ScaleKind, Slice, SlicePicture, SurfacePicture, View, VolumeRendering, render_surface,
+    Background, Camera, ColorScale, ColoredSurface, Figure, HistogramPicture, HistogramSeries, Palette,
+    PictureError, PictureStyle, Quantity, Raster, ScaleKind, SceneSurface, Slice, SlicePicture,
+    SurfacePicture, View, Viewpoint, VolumeRendering, render_surface,
 };
 use surfometry::surface::Mesh;
 use surfometry::volume::Affine;
@@ -83,7 +84,7 @@ fn on_threads<T: Send>(count: usize, run: impl FnOnce() -> T + Send) -> T {
 fn a_sphere_is_a_disc_of_its_size_and_its_left_mirrors_its_right() {
     let mesh = sphere(10.0, [0.0; 3]);
     let colors = vec![[200, 120, 80]; mesh.vertices.len()];
-    let surface = ColoredSurface { mesh: &mesh, colors: &colors, normals: &mesh.vertices };
+    let surface = ColoredSurface { mesh: &mesh, colors: &colors, normals: &mesh.vertices, openness: &[] };
     for &view in View::ALL {
         let raster = render_surface(&surface, &camera(view, 0.1, [260, 240]), Background::Transparent);
         let cover: f64 = raster.rgba.chunks_exact(4).map(|p| f64::from(p[3]) / 255.0).sum();
@@ -126,7 +127,7 @@ fn every_view_has_the_landmarks_on_the_right_side() {
     ];
     for (view, way, [right, up]) in expected {
         let (mesh, colors) = ball(way);
-        let surface = ColoredSurface { mesh: &mesh, colors: &colors, normals: &[] };
+        let surface = ColoredSurface { mesh: &mesh, colors: &colors, normals: &[], openness: &[] };
         let raster = render_surface(&surface, &camera(view, 0.25, [100, 100]), Background::White);
         let ([x, y], count) = centroid(&raster, |[r, g, _, _]| g > 40 && r < g / 2);
         assert!(count > 20, "{view} {way:?}");
@@ -135,24 +136,24 @@ fn every_view_has_the_landmarks_on_the_right_side() {
     }
     // What is behind is hidden.
     let (mesh, colors) = ball(to_front);
-    let surface = ColoredSurface { mesh: &mesh, colors: &colors, normals: &[] };
+    let surface = ColoredSurface { mesh: &mesh, colors: &colors, normals: &[], openness: &[] };
     let raster = render_surface(&surface, &camera(View::Posterior, 0.25, [100, 100]), Background::White);
     assert_eq!(centroid(&raster, |[r, g, _, _]| r < g / 2).1, 0);
 }
 
 fn surface_figure(mesh: &Mesh, title: &str, views: &[View]) -> Figure {
+    let views: Vec<Viewpoint> = views.iter().copied().map(Viewpoint::from).collect();
     let values: Vec<f64> = mesh.vertices.iter().map(|v| 0.01 * v[2]).collect();
     let scale = ColorScale::robust(ScaleKind::Diverging, &values, &mesh.vertex_areas());
     let caption = "A sphere.";
     SurfacePicture {
-        mesh,
-        values: &values,
-        normals: &mesh.vertices,
+        surfaces: &[SceneSurface { name: "", mesh, values: &values, normals: &mesh.vertices }],
         quantity: H,
         scale,
-        views,
+        views: &views,
         title,
         caption,
+        width: None,
     }
     .figure()
     .unwrap()
@@ -216,14 +217,13 @@ fn nothing_panics_on_what_has_no_picture() {
     let scale = ColorScale::robust(ScaleKind::Sequential, &[0.0; 9], &[]);
     let normals = [[0.0; 3]; 5];
     let picture = SurfacePicture {
-        mesh: &broken,
-        values: &[0.5, f64::NAN],
-        normals: &normals,
+        surfaces: &[SceneSurface { name: "", mesh: &broken, values: &[0.5, f64::NAN], normals: &normals }],
         quantity: H,
         scale,
-        views: &[View::Oblique],
+        views: &[View::Oblique.into()],
         title: "",
         caption: "",
+        width: None,
     };
     assert!(picture.figure().unwrap().to_png(1.0).is_ok());
     for scale in [0.0, -1.0, f64::NAN, 1e6] {
@@ -245,8 +245,15 @@ fn histograms_show_shares_and_marks() {
         },
     ];
     let scale = Some(ColorScale::new(ScaleKind::Sequential, 4.0));
-    let picture =
-        HistogramPicture { edges: &edges, series: &series, quantity: H, scale, title: "", caption: "" };
+    let picture = HistogramPicture {
+        edges: &edges,
+        series: &series,
+        quantity: H,
+        scale,
+        title: "",
+        caption: "",
+        width: None,
+    };
     let figure = picture.figure().unwrap();
     for text in
         ["by area", "by vertex", "mean 2.2 mm⁻¹", "median 2.25 mm⁻¹", "Share per bin (%)", ">40</text>"]
@@ -279,13 +286,13 @@ fn slices_have_u_to_the_right_and_v_upward() {
         size,
         spacing: [1.0, 2.0],
         mask: (0..48).map(corner).collect(),
-        phi: (0..48).map(|i| if corner(i) { -0.5 } else { 0.5 }).collect(),
+        values: (0..48).map(|i| if corner(i) { -0.5 } else { 0.5 }).collect(),
         contour: vec![[[1.5, -0.5], [1.5, 1.5]], [[1.5, 1.5], [-0.5, 1.5]]],
     };
     let quantity = Quantity { name: "Embedding φ", unit: "" };
     let scale = ColorScale::new(ScaleKind::Diverging, 0.5);
     let slices = [slice];
-    let picture = SlicePicture { slices: &slices, quantity, scale, title: "", caption: "" };
+    let picture = SlicePicture { slices: &slices, quantity, scale, title: "", caption: "", width: None };
     let png = decoded(&picture.figure().unwrap().to_png(1.0).unwrap());
     let (outside, n_outside) = centroid(&png, |p| p[..3] == [246; 3]);
     let (inside, n_inside) = centroid(&png, |p| p[..3] == [176; 3]);
@@ -332,9 +339,10 @@ impl Ball {
             delta: SmearedDelta::new(Smearing::Sine, 1.0, f64::INFINITY),
             quantity: H,
             scale: ColorScale::new(ScaleKind::Diverging, 0.2),
-            views: &[View::Anterior, View::Oblique],
+            views: &[Viewpoint::Named(View::Anterior), Viewpoint::Named(View::Oblique)],
             title: "Ball",
             caption: "",
+            width: None,
         }
     }
 }
@@ -370,4 +378,106 @@ fn volume_renderings_are_framed_and_refuse_what_does_not_fit() {
     assert!(nothing.figure().unwrap().svg().contains("no surface"));
     let thin = VolumeRendering { dimensions: [1, 1, 1728], ..ball.rendering() };
     assert!(thin.figure().unwrap().to_png(1.0).is_ok());
+}
+
+/// A picture of a width of its own: exactly that wide, its text as large as ever, the object filling what is left.
+#[test]
+fn a_figure_may_be_as_wide_as_a_column() {
+    let mesh = sphere(10.0, [0.0; 3]);
+    let values: Vec<f64> = mesh.vertices.iter().map(|v| 0.01 * v[2]).collect();
+    let surfaces = [SceneSurface { name: "", mesh: &mesh, values: &values, normals: &mesh.vertices }];
+    let drawn = |width: Option<f64>| {
+        SurfacePicture {
+            surfaces: &surfaces,
+            quantity: H,
+            scale: ColorScale::new(ScaleKind::Diverging, 0.1),
+            views: &[View::Anterior.into()],
+            title: "",
+            caption: "",
+            width,
+        }
+        .figure()
+        .unwrap()
+    };
+    let ball = |figure: &Figure| {
+        let png = decoded(&figure.to_png(1.0).unwrap());
+        let colored = |[r, _, b, _]: [u8; 4]| r.abs_diff(b) > 40;
+        // Left of the colour bar.
+        (0..png.width - 80).filter(|x| (0..png.height).any(|y| colored(png.pixel([*x, y])))).count()
+    };
+    let mut last = 0;
+    for mm in [60.0, 85.0, 180.0] {
+        let width = mm / 25.4 * 96.0;
+        let figure = drawn(Some(width));
+        assert!((figure.width() - width).abs() < 1e-9 && figure.svg().contains("font-size=\"13\""));
+        let png = decoded(&figure.to_png(300.0 / 96.0).unwrap());
+        assert_eq!(png.width, (mm / 25.4 * 300.0f64).round() as usize);
+        let across = ball(&figure);
+        assert!(across > last + 60, "{mm} {across} {last}");
+        last = across;
+    }
+}
+
+/// Surfaces of several inputs stand beside each other, at one scale of lengths, each under its name.
+#[test]
+fn surfaces_beside_each_other_share_their_scales() {
+    let (small, large) = (sphere(5.0, [40.0, 0.0, 0.0]), sphere(10.0, [0.0; 3]));
+    let values: Vec<f64> = vec![0.2; small.vertices.len()];
+    let of = |name, mesh: &'static Mesh| SceneSurface { name, mesh, values: &[], normals: &[] };
+    let [small, large]: [&'static Mesh; 2] = [small, large].map(|mesh| &*Box::leak(Box::new(mesh)));
+    let surfaces = [
+        SceneSurface { values: &values, ..of("small <b>", small) },
+        SceneSurface { values: &values, ..of("large", large) },
+    ];
+    let figure = SurfacePicture {
+        surfaces: &surfaces,
+        quantity: H,
+        scale: ColorScale::new(ScaleKind::Diverging, 0.2),
+        views: &[View::Anterior.into()],
+        title: "",
+        caption: "",
+        width: None,
+    }
+    .figure()
+    .unwrap();
+    assert!(figure.svg().contains(">small &lt;b&gt;</text>") && figure.svg().contains(">large</text>"));
+    let png = decoded(&figure.to_png(1.0).unwrap());
+    let is_red = |[r, _, b, _]: [u8; 4]| r > b.saturating_add(60);
+    // The colour bar is at the right.
+    let columns: Vec<usize> = (0..png.width - 100)
+        .map(|x| (0..png.height).filter(|y| is_red(png.pixel([x, *y]))).count())
+        .collect();
+    let widths: Vec<usize> =
+        columns.split(|n| *n == 0).map(<[usize]>::len).filter(|length| *length > 20).collect();
+    let [small, large] = widths[..] else { panic!("{widths:?}") };
+    assert!((large as f64 / small as f64 - 2.0).abs() < 0.05, "{widths:?}");
+}
+
+/// PDF is read by other programs in tests/oracles; here its page, its font, and that nothing else is in it.
+#[test]
+fn a_pdf_has_the_figures_page_and_its_font() {
+    let title = "<script>alert(1)</script>) /JS (app.alert(1)) \u{3b1}";
+    let figure = surface_figure(&sphere(10.0, [0.0; 3]), title, &[View::Anterior]);
+    let pdf = figure.to_pdf().unwrap();
+    assert!(pdf.starts_with(b"%PDF-") && pdf.ends_with(b"%%EOF"));
+    let text = String::from_utf8_lossy(&pdf);
+    let page = format!("/MediaBox [0 0 {} {}]", 0.75 * figure.width(), 0.75 * figure.height());
+    assert!(text.contains(&page), "{page}");
+    assert!(text.contains("/FontFile2") && text.contains("+DejaVuSans") && text.contains("/ToUnicode"));
+    assert_eq!(text.matches("/Subtype /Image").count(), 2);
+    for word in ["/JavaScript", "/OpenAction", "/Launch"] {
+        assert!(!text.contains(word), "{word}");
+    }
+    assert_eq!(pdf, on_threads(3, || figure.to_pdf().unwrap()));
+}
+
+#[test]
+fn limits_of_one_sign_do_not_diverge() {
+    let surface = surfometry::surface::Surface::default();
+    let of = |range| PictureStyle { range: Some(range), ..PictureStyle::default() }.color_scale(&surface);
+    assert_eq!(of([-0.1, 0.4]).kind(), ScaleKind::Diverging);
+    assert_eq!((of([0.1, 0.4]).kind(), of([0.1, 0.4]).limits()), (ScaleKind::Sequential, [0.1, 0.4]));
+    let chosen =
+        PictureStyle { palette: Some(Palette::Cividis), limit: Some(0.3), ..PictureStyle::default() };
+    assert_eq!(chosen.color_scale(&surface).limits(), [-0.3, 0.3]);
 }

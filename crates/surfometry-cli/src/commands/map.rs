@@ -10,18 +10,20 @@ use crate::values::one_of;
 use anyhow::{Result, anyhow, bail};
 use std::path::{Path, PathBuf};
 use surfometry::io::mesh_paths;
-use surfometry::measurement::VoxelQuantity;
+use surfometry::measurement::{Outside, VoxelQuantity};
+use surfometry::pictures::PictureStyle;
+use surfometry::runs::picture_words::color_range;
 use surfometry::runs::{
-    Against, Batch, Choices, FileLedger, MapFile, MapStyle, MapTask, Plan, SampleImage, Settings,
+    Against, Batch, Choices, FileLedger, MapFile, MapStyle, MapTask, Plan, SampleImage, Settings, SharedFiles,
 };
 
 /// Map curvature on the surface: meshes, voxel maps, pictures, distributions
 ///
 /// Each -o FILE is written for each object, in the format that its ending names: meshes with curvature at the
 /// vertices (.ply, .vtp, .stl, .obj, .glb, .gii, .csv), voxel maps on the input's own grid (.nii, .nii.gz;
-/// see --voxels), pictures (.png, .svg; see --picture). A .json file holds the results, curvature summaries
+/// see --voxels), pictures (.png, .svg, .pdf; see --picture). A .json file holds the results, curvature summaries
 /// and distributions of all objects. Where there are several inputs or objects, `_NAME` and `_label-N` go
-/// before the ending. The names of all files are printed.
+/// before the ending, unless --together. The names of all files are printed.
 ///
 /// With --against LATER, a later scan that was registered to this one, each vertex has the distance to the surface of the same
 /// label there (positive where that lies outside) and the change of mean curvature, with standard errors: what two masks of one
@@ -52,6 +54,23 @@ pub(crate) struct Args {
     /// Label image, on any lattice, whose labels are regions: distributions by region as well, in a .json file
     #[arg(long, value_name = "FILE")]
     regions: Option<String>,
+    /// What voxel maps of curvature have outside the band
+    #[arg(long, default_value = "0", value_parser = one_of::<Outside>())]
+    outside: Outside,
+    /// One picture of all surfaces, on one colour scale: labels where they are, inputs beside each other; and one voxel
+    /// map of all of an input's objects, in which a voxel has its own label's value, else that of the nearest surface.
+    /// Meshes stay one an object
+    #[arg(long)]
+    together: bool,
+    /// Both ends of the colour scale, instead of --limit
+    #[arg(long, value_name = "LOW..HIGH", conflicts_with = "limit", value_parser = color_range, allow_hyphen_values = true)]
+    range: Option<[f64; 2]>,
+    /// Above pictures [default: the object's name]
+    #[arg(long, value_name = "TEXT")]
+    title: Option<String>,
+    /// Below pictures [default: how the surface was made]
+    #[arg(long, value_name = "TEXT")]
+    caption: Option<String>,
     #[command(flatten)]
     pictures: PictureOptions,
     #[command(flatten)]
@@ -61,23 +80,40 @@ pub(crate) struct Args {
 }
 
 pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
+    let (inputs, style) = (expand(&args.inputs), style(args)?);
+    let outputs = || args.output.iter().chain(&args.png);
+    let read: Vec<String> = inputs.iter().chain(&args.against).cloned().collect();
+    let [documents, files] = targets(outputs(), &read)?;
+    let scale = args.curvature.asked().unwrap_or_else(|| args.options.scale_of_map(&style, outputs()));
     // What is mapped is the surface of the one embedding that was chosen.
     let choices =
         Choices { regions: args.regions.clone(), samples: args.sample.clone(), ..args.options.choices() };
-    let plan = Plan { recover: false, ..choices.plan(args.curvature.scale())? };
-    let inputs = expand(&args.inputs);
-    let read: Vec<String> = inputs.iter().chain(&args.against).cloned().collect();
-    let [documents, files] = targets(args.output.iter().chain(&args.png), &read)?;
-    let style = MapStyle { voxels: distinct(&args.voxels), ..args.pictures.map_style() };
+    let plan = Plan { recover: false, ..choices.plan(scale)? };
     let control = control(inputs.len(), Voice { quiet, memory: false });
     let (scale_ledger, settings) = (plan.scale_ledger.clone(), Settings::of(&plan));
     let batch = Batch { inputs: &inputs, open: plan.open.clone(), control: &control, cure };
-    let ledger = FileLedger::new(&read);
+    let (ledger, shared) = (FileLedger::new(&read), SharedFiles::new(&inputs));
     let against = args.against.as_ref().map(|later| Against::open(later, &plan, &control)).transpose()?;
     let mut sink = MapSink::new(documents, &settings, quiet)?;
-    let outcome = batch.run(&MapTask { plan, against, files, style, ledger }, &mut sink)?;
+    let task = MapTask { plan, against, files, style, ledger, shared };
+    let outcome = batch.run(&task, &mut sink)?;
+    if !outcome.stopped && outcome.rows > 0 {
+        sink.written(&task.finish()?);
+    }
     deliver(&sink.finish(outcome)?, None)?;
     Ok(with_scales(status(outcome), &scale_ledger, quiet))
+}
+
+fn style(args: &Args) -> Result<MapStyle> {
+    let style = args.pictures.map_style()?;
+    Ok(MapStyle {
+        picture: PictureStyle { range: args.range, caption: args.caption.clone(), ..style.picture },
+        title: args.title.clone(),
+        voxels: distinct(&args.voxels),
+        outside: args.outside,
+        together: args.together,
+        ..style
+    })
 }
 
 /// The files asked for: documents of all objects, and those of which there is one an object.

@@ -73,16 +73,14 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
     let (scale_ledger, settings) = (plan.scale_ledger.clone(), Settings::of(&plan));
     let batch = Batch { inputs: &inputs, open: plan.open.clone(), control: &control, cure };
     let chart = args.chart.clone();
-    let surfaces = args.surfaces.clone();
+    let (count, style) = (args.surface_count as usize, args.pictures.map_style()?);
+    let surfaces = args.surfaces.clone().map(|path| SweptSurfaces { path, count, style });
     let task = SweepTask {
         plan,
         over: args.over,
         values: args.range.values(args.log),
         chart: chart.map(|path| SweepChart { path, measures: args.measures.clone(), log: args.log }),
-        surfaces: surfaces.map(|path| {
-            let (count, style) = (args.surface_count as usize, args.pictures.map_style());
-            SweptSurfaces { path, count, style }
-        }),
+        surfaces,
         ledger: FileLedger::new(&inputs),
     };
     task.check()?;
@@ -94,8 +92,8 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
 
 fn check_picture(args: &Args, path: Option<&Path>, what: &str) -> Result<()> {
     let Some(path) = path else { return Ok(()) };
-    if !matches!(MapFile::of_path(path), Some(MapFile::Png | MapFile::Svg)) {
-        bail!("{}: the {what}'s name must end in .png or .svg", path.display());
+    if !MapFile::of_path(path).is_some_and(MapFile::is_picture) {
+        bail!("{}: the {what}'s name must end in .png, .svg or .pdf", path.display());
     }
     if args.results.path() == Some(path) {
         bail!("{}: named twice, for the results and for the {what}", path.display());

@@ -29,6 +29,11 @@ impl MapSink {
         Ok(Self { documents, names: Vec::new(), records: (!quiet).then(Vec::new) })
     }
 
+    /// Hears of files that several objects share.
+    pub(crate) fn written(&mut self, files: &[PathBuf]) {
+        self.names.extend(files.iter().map(|path| path.display().to_string()));
+    }
+
     /// Ends the documents; names of all that was written, one a line. What a run that was stopped leaves keeps
     /// the name of an unfinished file.
     pub(crate) fn finish(mut self, outcome: Outcome) -> io::Result<String> {

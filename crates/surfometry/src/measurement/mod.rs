@@ -49,7 +49,7 @@ pub(crate) use scheme::MOST_SIGMA_VOXELS;
 #[cfg(feature = "io")]
 pub(crate) use settling::settled;
 pub use streaming::{Progress, StreamError, Streamed};
-pub use voxel_map::VoxelQuantity;
+pub use voxel_map::{Outside, VoxelQuantity};
 
 use crate::integrals::{QuadratureRule, Smearing};
 use crate::volume::{FieldImage, LabelGroup, LabelImage, LabelSelection, Mask, Shared};

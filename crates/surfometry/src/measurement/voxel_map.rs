@@ -25,6 +25,20 @@ pub enum VoxelQuantity {
 }
 
 impl VoxelQuantity {
+    /// Unit, empty for a pure number.
+    pub fn unit(self) -> &'static str {
+        match self {
+            Self::MeanCurvature | Self::Delta => "1/mm",
+            Self::GaussianCurvature => "1/mm^2",
+            Self::Phi | Self::Band => "",
+        }
+    }
+
+    /// Whether it is known in the band only.
+    pub fn is_curvature(self) -> bool {
+        matches!(self, Self::MeanCurvature | Self::GaussianCurvature)
+    }
+
     /// Name with unit, as arrays of the contract are named.
     pub fn name(self) -> &'static str {
         match self {
@@ -45,6 +59,31 @@ choices!(VoxelQuantity, "voxel quantity": {
     Band = "band": "1 in the band, 0 outside",
 });
 
+/// What a voxel map has where curvature is not known: outside the band.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Outside {
+    /// 0, which viewers take for nothing.
+    #[default]
+    Zero,
+    /// Not a number, which no mean takes for a value.
+    Nan,
+}
+
+choices!(Outside, "value outside": {
+    Zero = "0": "0, which viewers take for nothing",
+    Nan = "nan": "not a number, which no mean takes for a value",
+});
+
+impl Outside {
+    /// The value.
+    pub fn value(self) -> f32 {
+        match self {
+            Self::Zero => 0.0,
+            Self::Nan => f32::NAN,
+        }
+    }
+}
+
 impl Object {
     /// A box of the image outside which phi is not negative.
     pub fn inside_region(&self) -> IndexBox {
@@ -61,9 +100,22 @@ impl Object {
     /// given; `None` where the blur is known to leave nothing, so that there was no need to make a field. In
     /// parallel over tiles; the same for any number of threads.
     pub fn voxel_map(&self, quantity: VoxelQuantity, region: &IndexBox) -> Option<Block<f32>> {
+        self.voxel_map_on(quantity, region, 0.0)
+    }
+
+    /// The same with a value of the caller's where curvature is not known: outside the band, and where the gradient
+    /// has collapsed. What is known everywhere (the embedding, the band, and delta, which is 0 outside it) stays.
+    pub fn voxel_map_on(
+        &self,
+        quantity: VoxelQuantity,
+        region: &IndexBox,
+        outside: f32,
+    ) -> Option<Block<f32>> {
         let scheme = self.scheme()?;
-        let mut map = Block::filled(*region, 0.0);
-        let values = |tile: &IndexBox| with_scheme!(&scheme, s => self.tile_values(s, tile, quantity));
+        let outside = if quantity.is_curvature() { outside } else { 0.0 };
+        let mut map = Block::filled(*region, outside);
+        let values =
+            |tile: &IndexBox| with_scheme!(&scheme, s => self.tile_values(s, tile, (quantity, outside)));
         // A few tiles at a time, so that no second copy of the image is needed.
         for batch in region.tiles(TILE).chunks(8 * rayon::current_num_threads()) {
             let parts: Vec<Vec<f32>> = batch.par_iter().map(values).collect();
@@ -81,11 +133,11 @@ impl Object {
         &self,
         scheme: &D,
         tile: &IndexBox,
-        quantity: VoxelQuantity,
+        (quantity, outside): (VoxelQuantity, f32),
     ) -> Vec<f32> {
         let half_width = self.setup.band.delta().half_width();
         let all = IndexBox::new([0; 3], tile.extent().map(|n| n as i64));
-        let mut values = Block::filled(all, 0.0f32);
+        let mut values = Block::filled(all, outside);
         if self.setup.control.is_stopped() {
             return values.into_storage();
         }
@@ -103,7 +155,9 @@ impl Object {
                     for voxel in band.iter() {
                         let place: [i64; 3] = std::array::from_fn(|a| voxel.index[a] - tile.lower[a]);
                         let place = values.offset(place);
-                        values.values_mut()[place] = self.band_value(&voxel, quantity) as f32;
+                        if let Some(value) = self.band_value(&voxel, quantity) {
+                            values.values_mut()[place] = value as f32;
+                        }
                     }
                 });
             }
@@ -111,15 +165,15 @@ impl Object {
         values.into_storage()
     }
 
-    /// Of a voxel of the band; 0 where the gradient has collapsed, as in the integrals.
-    fn band_value(&self, voxel: &BandVoxel, quantity: VoxelQuantity) -> f64 {
-        let Some((density, curvature)) = self.setup.band.element(&voxel.jet) else { return 0.0 };
-        match quantity {
+    /// Of a voxel of the band; `None` where the gradient has collapsed, which integrals leave out.
+    fn band_value(&self, voxel: &BandVoxel, quantity: VoxelQuantity) -> Option<f64> {
+        let (density, curvature) = self.setup.band.element(&voxel.jet)?;
+        Some(match quantity {
             VoxelQuantity::MeanCurvature => curvature.mean_curvature,
             VoxelQuantity::GaussianCurvature => curvature.gaussian_curvature,
             VoxelQuantity::Delta => density,
             VoxelQuantity::Phi | VoxelQuantity::Band => 1.0,
-        }
+        })
     }
 }
 

@@ -6,6 +6,9 @@ use super::figure::Figure;
 use super::frame::{MARGIN, caption, title};
 use crate::statistics::{Agreement, BlandAltman, Estimate};
 
+/// Most objects that are named in a plot, and most letters of a name.
+const MOST_NAMED: usize = 6;
+const LONGEST: usize = 26;
 const PLOT: [f64; 2] = [330.0, 230.0];
 const LEFT: f64 = 88.0;
 const ABOVE: f64 = 30.0;
@@ -24,6 +27,8 @@ pub struct AgreementPanel<'a> {
     pub name: &'a str,
     /// Values of the method and of the standard.
     pub pairs: &'a [(f64, f64)],
+    /// Names of the objects, of which those beyond the limits of agreement are told; may be empty.
+    pub objects: &'a [String],
     /// What was made of them.
     pub agreement: &'a Agreement,
 }
@@ -108,8 +113,46 @@ impl AgreementChart<'_> {
         for (value, color) in [(bias.value, FITTED), (limits[0].value, FAINT), (limits[1].value, FAINT)] {
             canvas.line([origin[0], axes.y(value)], [origin[0] + PLOT[0], axes.y(value)], color, 1.6);
         }
-        points(canvas, &axes, places.into_iter());
+        points(canvas, &axes, places.iter().copied());
+        self.outliers(canvas, panel, &axes, &places);
     }
+
+    /// Names of the objects beyond the limits of agreement, the farthest first, as far as they do not cover each
+    /// other.
+    fn outliers(&self, canvas: &mut Canvas, panel: &AgreementPanel, axes: &Axes, places: &[[f64; 2]]) {
+        let BlandAltman { bias, limits, .. } = panel.agreement.bland_altman;
+        let [low, high] = [limits[0].value, limits[1].value];
+        let mut beyond: Vec<([f64; 2], &String)> = places
+            .iter()
+            .copied()
+            .zip(panel.objects)
+            .filter(|([_, difference], _)| *difference < low || *difference > high)
+            .collect();
+        let distance = |[_, difference]: [f64; 2]| (difference - bias.value).abs();
+        beyond.sort_by(|a, b| distance(b.0).total_cmp(&distance(a.0)));
+        let mut taken: Vec<f64> = Vec::new();
+        for ([mean, difference], object) in beyond.into_iter().take(MOST_NAMED) {
+            let [x, y] = [axes.x(mean), axes.y(difference)];
+            if taken.iter().any(|other| (other - y).abs() < SMALL) {
+                continue;
+            }
+            taken.push(y);
+            // On the side that has more room.
+            let right = x < axes.origin[0] + 0.5 * axes.size[0];
+            let (at, anchor) = if right { (x + 6.0, Anchor::Start) } else { (x - 6.0, Anchor::End) };
+            canvas.centered_text([at, y], SMALL - 1.5, INK, anchor, &shortened(object));
+        }
+    }
+}
+
+/// The end of a name that is long, which tells files apart.
+fn shortened(name: &str) -> String {
+    let letters = name.chars().count();
+    if letters <= LONGEST {
+        return name.to_owned();
+    }
+    let end: String = name.chars().skip(letters + 1 - LONGEST).collect();
+    format!("\u{2026}{end}")
 }
 
 fn name(canvas: &mut Canvas, axes: &Axes, text: &str) {

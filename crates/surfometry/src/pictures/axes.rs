@@ -1,6 +1,6 @@
 //! A panel's axes.
 
-use super::canvas::{Anchor, Canvas, INK, RULE, SMALL};
+use super::canvas::{Anchor, Canvas, INK, RULE, SMALL, text_width};
 use super::ticks::Ticks;
 
 /// From numbers to places in a panel, y upwards.
@@ -40,10 +40,15 @@ impl Axes {
             canvas.centered_text([left - 8.0, y], SMALL, INK, Anchor::End, &ticks.label(value));
         }
         let ticks = if self.log { Ticks::on_log(self.along) } else { Ticks::new(self.along, 6) };
+        let mut free = f64::NEG_INFINITY;
         for &value in &ticks.values {
-            let x = self.x(value);
+            let (x, label) = (self.x(value), ticks.label(value));
             canvas.line([x, bottom], [x, bottom + 4.0], INK, 1.0);
-            canvas.text([x, bottom + 16.0], SMALL, INK, Anchor::Middle, &ticks.label(value));
+            let half = 0.5 * text_width(&label, SMALL);
+            if x - half >= free {
+                canvas.text([x, bottom + 16.0], SMALL, INK, Anchor::Middle, &label);
+                free = x + half + 4.0;
+            }
         }
         canvas.polyline(&[[left, bottom - height], self.origin, [left + width, bottom]], INK, 1.0, "");
         canvas.text([left + 0.5 * width, bottom + 34.0], SMALL, INK, Anchor::Middle, along);

@@ -1,6 +1,7 @@
 //! From the world to a picture's pixels.
 
-use super::view::{Basis, View};
+use super::view::Basis;
+use super::viewpoint::Viewpoint;
 use crate::surface::{dot, minus};
 
 /// A parallel projection: lengths across the line of sight are true everywhere in the picture.
@@ -48,7 +49,7 @@ impl Basis {
 /// What a view shows of an object: the rectangle that its points fall into.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Prospect {
-    pub(crate) view: View,
+    pub(crate) view: Viewpoint,
     /// World position of the middle.
     pub(crate) center: [f64; 3],
     /// Width and height, mm.
@@ -57,7 +58,7 @@ pub(crate) struct Prospect {
 
 impl Prospect {
     /// Around points; those that are not finite are passed over.
-    pub(crate) fn of(view: View, points: impl IntoIterator<Item = [f64; 3]>) -> Self {
+    pub(crate) fn of(view: Viewpoint, points: impl IntoIterator<Item = [f64; 3]>) -> Self {
         let basis = view.basis();
         let empty = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
         let (low, high) =

@@ -135,16 +135,23 @@ impl Canvas {
     }
 
     /// The document, on white. Its title is what a screen reader says.
-    pub(crate) fn finish(self, [width, height]: [f64; 2], title: &str) -> Figure {
-        let (width, height) = (libm::ceil(width), libm::ceil(height));
+    pub(crate) fn finish(self, size: [f64; 2], title: &str) -> Figure {
+        self.finish_at(size, None, title)
+    }
+
+    /// The same, printed at a width of its own where one is given.
+    pub(crate) fn finish_at(self, size: [f64; 2], printed: Option<f64>, title: &str) -> Figure {
+        let [drawn_width, drawn_height] = size.map(libm::ceil);
+        let width = printed.unwrap_or(drawn_width);
+        let height = drawn_height * (width / drawn_width);
         let svg = format!(
             "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" \
-             viewBox=\"0 0 {width} {height}\" font-family=\"{FONTS}\" role=\"img\">\n<title>{}</title>\n\
-             <rect width=\"{width}\" height=\"{height}\" fill=\"#ffffff\"/>\n{}</svg>\n",
+             viewBox=\"0 0 {drawn_width} {drawn_height}\" font-family=\"{FONTS}\" role=\"img\">\n<title>{}</title>\n\
+             <rect width=\"{drawn_width}\" height=\"{drawn_height}\" fill=\"#ffffff\"/>\n{}</svg>\n",
             escaped(title),
             self.body
         );
-        Figure { svg, width, height }
+        Figure { svg, title: title.to_owned(), width, height }
     }
 
     fn element(&mut self, element: std::fmt::Arguments) {

@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::cool_warm::cool_warm;
+use super::palette::Palette;
 use super::ticks::{Ticks, round_up};
 
 /// Colour where there is no value: darker than any colour of the diverging scale's middle, without hue.
@@ -13,26 +13,46 @@ const SHOWN: f64 = 0.98;
 /// Which way colours run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ScaleKind {
-    /// Blue below zero, light grey at zero, red above: Moreland's cool-warm (ISVC 2009). Lightness falls
-    /// evenly to both sides. For quantities with a sign.
+    /// From a light middle to both sides, lightness falling evenly. For quantities with a sign.
     Diverging,
-    /// From dark violet to yellow: viridis (van der Walt and Smith 2015), lightness rising evenly. For
-    /// quantities that are never negative.
+    /// From dark to light, lightness rising evenly. For quantities that are never negative.
     Sequential,
+}
+
+impl ScaleKind {
+    /// The palette where none is chosen: cool-warm, viridis.
+    fn palette(self) -> Palette {
+        match self {
+            Self::Diverging => Palette::CoolWarm,
+            Self::Sequential => Palette::Viridis,
+        }
+    }
 }
 
 /// A colour for every value between two limits; values beyond take the colour of the end.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ColorScale {
-    kind: ScaleKind,
-    limit: f64,
+    palette: Palette,
+    limits: [f64; 2],
 }
 
 impl ColorScale {
     /// From `-limit` to `limit` (diverging) or from 0 to `limit` (sequential). A limit that is not positive
     /// and finite is replaced by 1: there is nothing to tell apart then.
     pub fn new(kind: ScaleKind, limit: f64) -> Self {
-        Self { kind, limit: if limit.is_finite() && limit > 0.0 { limit } else { 1.0 } }
+        let limit = if limit.is_finite() && limit > 0.0 { limit } else { 1.0 };
+        let low = if kind == ScaleKind::Diverging { -limit } else { 0.0 };
+        Self { palette: kind.palette(), limits: [low, limit] }
+    }
+
+    /// Between two limits, of which the first is the lower.
+    pub fn between(kind: ScaleKind, limits: [f64; 2]) -> Self {
+        Self { palette: kind.palette(), limits }
+    }
+
+    /// The same limits in other colours.
+    pub fn in_colors(self, palette: Palette) -> Self {
+        Self { palette, ..self }
     }
 
     /// Limits from data: the weighted 98th percentile of the values' magnitudes, rounded up to a round
@@ -45,25 +65,28 @@ impl ColorScale {
 
     /// Which way colours run.
     pub fn kind(&self) -> ScaleKind {
-        self.kind
+        self.palette.kind()
     }
 
     /// The values at the ends.
     pub fn limits(&self) -> [f64; 2] {
-        match self.kind {
-            ScaleKind::Diverging => [-self.limit, self.limit],
-            ScaleKind::Sequential => [0.0, self.limit],
-        }
+        self.limits
     }
 
     /// Colour of a value, sRGB; dark grey for NaN.
     pub fn rgb(&self, value: f64) -> [u8; 3] {
-        if value.is_nan() {
-            return MISSING;
-        }
-        match self.kind {
-            ScaleKind::Diverging => cool_warm((value / self.limit).clamp(-1.0, 1.0)),
-            ScaleKind::Sequential => viridis((value / self.limit).clamp(0.0, 1.0)),
+        if value.is_nan() { MISSING } else { self.palette.color(self.position(value)) }
+    }
+
+    /// Where a value is in the palette, 0 to 1. Zero has a diverging palette's middle where it lies between the
+    /// limits: the colours of equal magnitudes are then equally strong, also where one side ends earlier.
+    fn position(&self, value: f64) -> f64 {
+        let [low, high] = self.limits;
+        let value = value.clamp(low, high);
+        if self.kind() == ScaleKind::Diverging && low < 0.0 && high > 0.0 {
+            0.5 + 0.5 * (value / high.max(-low))
+        } else {
+            (value - low) / (high - low)
         }
     }
 
@@ -95,11 +118,6 @@ impl ColorScale {
         let [low, high] = self.limits();
         values.into_iter().fold([false; 2], |[below, above], v| [below || v < low, above || v > high])
     }
-}
-
-fn viridis(position: f64) -> [u8; 3] {
-    let color = colorous::VIRIDIS.eval_continuous(position);
-    [color.r, color.g, color.b]
 }
 
 /// The magnitude below which a share of the weight lies; 0 without data.
@@ -167,6 +185,33 @@ mod tests {
         assert_eq!(weighted.limits(), [0.0, 40.0]);
         for degenerate in [&[][..], &[0.0, 0.0], &[f64::NAN]] {
             assert_eq!(ColorScale::robust(ScaleKind::Diverging, degenerate, &[]).limits(), [-1.0, 1.0]);
+        }
+    }
+
+    #[test]
+    fn zero_has_the_middle_colour_and_equal_magnitudes_are_equally_strong() {
+        for palette in [Palette::CoolWarm, Palette::PurpleOrange] {
+            let (whole, lopsided) = (
+                ColorScale::new(ScaleKind::Diverging, 0.4).in_colors(palette),
+                ColorScale::between(ScaleKind::Diverging, [-0.1, 0.4]).in_colors(palette),
+            );
+            for value in [-0.1, -0.03, 0.0, 0.2, 0.4, 9.0] {
+                assert_eq!(lopsided.rgb(value), whole.rgb(value), "{palette} {value}");
+            }
+            assert_eq!(lopsided.rgb(-0.3), lopsided.rgb(-0.1));
+            let ends = [-0.4, 0.4].map(|value| lightness(whole.rgb(value)));
+            assert!(ends.into_iter().all(|end| end + 25.0 < lightness(whole.rgb(0.0))), "{palette} {ends:?}");
+        }
+        let upper = ColorScale::between(ScaleKind::Sequential, [0.2, 0.6]);
+        assert_eq!(upper.rgb(0.4), ColorScale::new(ScaleKind::Sequential, 1.0).rgb(0.5));
+    }
+
+    #[test]
+    fn sequential_palettes_grow_lighter_all_along() {
+        for palette in [Palette::Viridis, Palette::Cividis, Palette::Magma] {
+            let scale = ColorScale::new(ScaleKind::Sequential, 1.0).in_colors(palette);
+            let steps: Vec<f64> = (0..=20).map(|i| lightness(scale.rgb(f64::from(i) / 20.0))).collect();
+            assert!(steps.windows(2).all(|pair| pair[0] < pair[1]), "{palette} {steps:?}");
         }
     }
 }

@@ -39,4 +39,21 @@ pub enum PictureError {
         /// What has it.
         condition: &'static str,
     },
+    /// A slice that is nowhere near the object.
+    #[error(
+        "there is no slice {axis} = {index} of this object: it and what lies around it have {axis} = {first} to {last}"
+    )]
+    NoSlice {
+        /// Name of the image axis.
+        axis: char,
+        /// What was asked for.
+        index: i64,
+        /// The first that there is.
+        first: i64,
+        /// The last.
+        last: i64,
+    },
+    /// A picture that cannot be drawn as PDF.
+    #[error("the picture cannot be written as PDF: {0}")]
+    Pdf(&'static str),
 }

@@ -6,6 +6,7 @@ use resvg::tiny_skia::{Pixmap, Transform};
 use resvg::usvg::{ImageHrefResolver, Options, Tree, fontdb};
 
 use super::error::PictureError;
+use super::pdf::to_pdf;
 use super::raster::Raster;
 
 /// The most pixels that [`Figure::to_png`] draws: 800 MB.
@@ -16,6 +17,7 @@ const MOST_PIXELS: f64 = 2e8;
 #[derive(Debug, Clone, PartialEq)]
 pub struct Figure {
     pub(crate) svg: String,
+    pub(crate) title: String,
     pub(crate) width: f64,
     pub(crate) height: f64,
 }
@@ -54,6 +56,15 @@ impl Figure {
         // The document's own background makes every pixel opaque: premultiplied is plain.
         let raster = Raster { width: width as usize, height: height as usize, rgba: pixmap.take() };
         raster.to_png_at(96.0 * dpi_scale)
+    }
+
+    /// As a PDF file of one page: text and lines as such, with the letters that it uses of DejaVu Sans. The bits
+    /// are the same everywhere.
+    ///
+    /// # Errors
+    /// [`PictureError::Pdf`], [`PictureError::Svg`].
+    pub fn to_pdf(&self) -> Result<Vec<u8>, PictureError> {
+        to_pdf(&Tree::from_str(&self.svg, &OPTIONS)?, dejavu::sans::regular(), &self.title)
     }
 }
 

@@ -4,7 +4,7 @@ use super::canvas::{Anchor, Canvas, FAINT, INK, LABEL, SMALL, TITLE, wrapped};
 use super::color_bar::ColorBar;
 use super::error::PictureError;
 use super::figure::Figure;
-use super::layout::{Content, Layout};
+use super::layout::{Content, Layout, Room};
 use super::scale_bar::draw_scale_bar;
 
 /// Pixels a picture unit in embedded rasters: 288 an inch, which journals ask for.
@@ -16,10 +16,12 @@ pub(crate) const NAME: f64 = 20.0;
 /// Room for direction letters.
 pub(crate) const LETTER: f64 = 18.0;
 
-/// Title, caption and colours of a picture.
+/// Title, caption, width and colours of a picture.
 pub(crate) struct Frame<'a> {
     pub(crate) title: &'a str,
     pub(crate) caption: &'a str,
+    /// Of everything; `None` where it follows from what is in it.
+    pub(crate) width: Option<f64>,
     pub(crate) bar: ColorBar<'a>,
 }
 
@@ -43,7 +45,16 @@ pub(crate) fn pixels(size: [f64; 2], density: f64) -> [usize; 2] {
     size.map(|v| libm::round(v * density).max(1.0) as usize)
 }
 
+/// Between the panels and the colour bar.
+const BEFORE_BAR: f64 = 22.0;
+
 impl Frame<'_> {
+    /// Room that is left to the panels.
+    pub(crate) fn room(&self) -> Room {
+        let beside = 2.0 * MARGIN + BEFORE_BAR + self.bar.width();
+        self.width.map_or_else(Room::default, |width| Room::wide(width - beside))
+    }
+
     /// A figure with the panels that `draw` makes by their number.
     pub(crate) fn compose(
         &self,
@@ -52,7 +63,7 @@ impl Frame<'_> {
         mut draw: impl FnMut(&mut Canvas, usize, Place) -> Result<(), PictureError>,
     ) -> Result<Figure, PictureError> {
         let [width, height] = layout.size;
-        let bar_left = MARGIN + width + 22.0;
+        let bar_left = MARGIN + width + BEFORE_BAR;
         let total = bar_left + self.bar.width() + MARGIN;
         let mut canvas = Canvas::default();
         let top = title(&mut canvas, self.title, total);
@@ -73,7 +84,7 @@ impl Frame<'_> {
             );
         }
         let bottom = caption(&mut canvas, self.caption, bottom + 28.0, total);
-        Ok(canvas.finish([total, bottom + MARGIN], self.title))
+        Ok(canvas.finish_at([total, bottom + MARGIN], self.width, self.title))
     }
 }
 

@@ -49,6 +49,8 @@ pub struct HistogramPicture<'a> {
     pub title: &'a str,
     /// Below all; may be empty.
     pub caption: &'a str,
+    /// Width of the figure in CSS pixels; `None` where it follows from what is in it.
+    pub width: Option<f64>,
 }
 
 /// From values and shares to the figure.
@@ -97,7 +99,7 @@ impl HistogramPicture<'_> {
         }
         let bottom = self.horizontal_axis(&mut canvas, &axes)?;
         let bottom = caption(&mut canvas, self.caption, bottom + 6.0, total);
-        Ok(canvas.finish([total, bottom + MARGIN], self.title))
+        Ok(canvas.finish_at([total, bottom + MARGIN], self.width, self.title))
     }
 
     fn bins(&self) -> usize {

@@ -12,8 +12,25 @@ pub(crate) struct Layout {
 }
 
 /// Room for all panels, and for one.
-const BUDGET: [f64; 2] = [800.0, 640.0];
-const LARGEST: f64 = 460.0;
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Room {
+    pub(crate) size: [f64; 2],
+    pub(crate) largest: f64,
+}
+
+impl Default for Room {
+    fn default() -> Self {
+        Self { size: [800.0, 640.0], largest: 460.0 }
+    }
+}
+
+impl Room {
+    /// Of a width; a page is higher than wide.
+    pub(crate) fn wide(width: f64) -> Self {
+        Self { size: [width, 1.2 * width.max(300.0)], largest: f64::INFINITY }
+    }
+}
+
 /// Between panels.
 const GAP: f64 = 14.0;
 
@@ -30,14 +47,14 @@ pub(crate) struct Content {
 
 impl Layout {
     /// Panels in rows of `columns`, as large as the room allows.
-    pub(crate) fn new(contents: &[Content], columns: usize) -> Self {
+    pub(crate) fn new(contents: &[Content], columns: usize, room: Room) -> Self {
         let columns = columns.clamp(1, contents.len().max(1));
         let rows = contents.len().div_ceil(columns);
         let across: Vec<Line> =
             (0..columns).map(|c| Line::of(0, contents.iter().skip(c).step_by(columns))).collect();
         let down: Vec<Line> =
             (0..rows).map(|r| Line::of(1, contents.iter().skip(r * columns).take(columns))).collect();
-        let units_per_mm = fitting(&across, &down);
+        let units_per_mm = fitting(&across, &down, room);
         let sizes = |lines: &[Line]| -> Vec<f64> {
             lines.iter().map(|l| (l.extent * units_per_mm + l.rim).max(l.least)).collect()
         };
@@ -55,10 +72,10 @@ impl Layout {
     }
 
     /// The number of columns, of those offered, that makes panels largest; of equal ones the last.
-    pub(crate) fn best(contents: &[Content], columns: impl IntoIterator<Item = usize>) -> Self {
-        let layouts = columns.into_iter().map(|n| Self::new(contents, n));
+    pub(crate) fn best(contents: &[Content], columns: impl IntoIterator<Item = usize>, room: Room) -> Self {
+        let layouts = columns.into_iter().map(|n| Self::new(contents, n, room));
         let best = layouts.max_by(|a, b| a.units_per_mm.total_cmp(&b.units_per_mm));
-        best.unwrap_or_else(|| Self::new(contents, 1))
+        best.unwrap_or_else(|| Self::new(contents, 1, room))
     }
 }
 
@@ -81,12 +98,12 @@ impl Line {
 }
 
 /// Units a millimetre with which columns and rows fill the room but do not exceed it.
-fn fitting(across: &[Line], down: &[Line]) -> f64 {
+fn fitting(across: &[Line], down: &[Line], room: Room) -> f64 {
     let along = |axis: usize, lines: &[Line]| {
         let fixed: f64 = lines.iter().map(|l| l.rim + GAP).sum();
         let total: f64 = lines.iter().map(|l| l.extent).sum();
         let largest = lines.iter().fold(0.0f64, |m, l| m.max(l.extent));
-        ((BUDGET[axis] - fixed).max(100.0) / total).min(LARGEST / largest)
+        ((room.size[axis] - fixed).max(60.0) / total).min(room.largest / largest)
     };
     let scale = along(0, across).min(along(1, down));
     if scale.is_finite() && scale > 0.0 { scale } else { 1.0 }

@@ -12,6 +12,7 @@
 //! ```
 
 mod agreement_chart;
+mod ambient_occlusion;
 mod axes;
 mod camera;
 mod canvas;
@@ -25,16 +26,20 @@ mod euler_histogram;
 mod figure;
 mod frame;
 mod histogram_picture;
+mod image_slices;
 mod layout;
 mod line_chart;
 mod object_pictures;
+mod object_slices;
+mod palette;
+mod pdf;
+mod pdf_font;
 mod quantity;
 mod raster;
 mod ray_marching;
 mod scale_bar;
 mod shading;
 mod slice_picture;
-mod slice_plane;
 mod surface_picture;
 mod surface_rendering;
 #[cfg(feature = "report")]
@@ -42,6 +47,7 @@ mod thumbnail;
 mod ticks;
 mod view;
 mod view_panels;
+mod viewpoint;
 mod volume_rendering;
 
 pub use agreement_chart::{AgreementChart, AgreementPanel};
@@ -51,20 +57,24 @@ pub use error::PictureError;
 pub use euler_histogram::EulerHistogram;
 pub use figure::Figure;
 pub use histogram_picture::{HistogramPicture, HistogramSeries};
-pub use line_chart::{ChartLine, ChartPanel, LineChart};
 #[cfg(feature = "report")]
-pub(crate) use object_pictures::surroundings;
+pub(crate) use image_slices::ImageSlices;
+pub use line_chart::{ChartLine, ChartPanel, LineChart};
+pub(crate) use object_pictures::how_mapped;
 pub use object_pictures::{PictureKind, PictureStyle, color_scale, picture};
+pub use object_slices::SlicePlane;
+#[cfg(feature = "report")]
+pub(crate) use object_slices::surroundings;
+pub use palette::Palette;
 pub use quantity::Quantity;
 pub use raster::{Background, Raster};
 pub use slice_picture::{Slice, SlicePicture};
-#[cfg(feature = "report")]
-pub(crate) use slice_plane::SlicePlane;
-pub use surface_picture::SurfacePicture;
+pub use surface_picture::{SceneSurface, SurfacePicture};
 pub use surface_rendering::{ColoredSurface, render_surface};
 #[cfg(feature = "report")]
 pub(crate) use thumbnail::thumbnail;
 #[cfg(feature = "report")]
 pub(crate) use ticks::significant;
 pub use view::{Basis, View};
+pub use viewpoint::{CameraAngles, Viewpoint};
 pub use volume_rendering::VolumeRendering;

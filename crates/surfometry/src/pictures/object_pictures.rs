@@ -1,17 +1,16 @@
 //! Pictures of a measured object.
 
-use super::contour::contour;
-use super::slice_plane::SlicePlane;
+use super::object_slices::{slices_figure, surroundings};
 use super::ticks::significant;
 use super::{
-    ColorScale, Figure, HistogramPicture, HistogramSeries, PictureError, Quantity, ScaleKind, Slice,
-    SlicePicture, SurfacePicture, View, VolumeRendering,
+    ColorScale, Figure, HistogramPicture, HistogramSeries, Palette, PictureError, Quantity, ScaleKind,
+    SceneSurface, SlicePlane, SurfacePicture, View, Viewpoint, VolumeRendering,
 };
 use crate::Choice;
 use crate::choice::choices;
 use crate::measurement::{EmbeddingKind, Object, VoxelQuantity};
 use crate::surface::{LocalQuantity, Surface};
-use crate::tiling::{Block, IndexBox};
+use crate::tiling::Block;
 use crate::volume::Affine;
 
 /// What a picture of an object shows.
@@ -20,7 +19,7 @@ pub enum PictureKind {
     /// The surface, coloured by a quantity, from named views.
     #[default]
     Surface,
-    /// Mask and embedding with the contour, in three slices.
+    /// Mask and embedding, or another quantity, with the contour, in slices.
     Slices,
     /// The quantity's distribution by area and by vertex.
     Histogram,
@@ -30,7 +29,7 @@ pub enum PictureKind {
 
 choices!(PictureKind, "picture": {
     Surface = "surface": "the coloured surface, from the chosen views",
-    Slices = "slices": "mask and embedding with the contour, in three slices",
+    Slices = "slices": "mask and embedding with the contour, in three slices or those of --slice",
     Histogram = "histogram": "the quantity's distribution",
     Volume = "volume": "the paper's volume rendering, from the chosen views",
 });
@@ -42,10 +41,22 @@ pub struct PictureStyle {
     pub quantity: LocalQuantity,
     /// Largest magnitude on the colour scale; `None` takes a robust one from the surface.
     pub limit: Option<f64>,
+    /// Both ends of the colour scale, the lower first, in the place of a limit.
+    pub range: Option<[f64; 2]>,
+    /// The colours; `None` takes those that suit the quantity.
+    pub palette: Option<Palette>,
     /// Where the viewer stands.
-    pub views: Vec<View>,
+    pub views: Vec<Viewpoint>,
+    /// Which slices are shown; none stands for the three through the object's centroid.
+    pub slices: Vec<SlicePlane>,
+    /// What colours show on slices.
+    pub on_slices: VoxelQuantity,
     /// Above the picture.
     pub title: String,
+    /// Below it; `None` says how the surface was made.
+    pub caption: Option<String>,
+    /// Width of the picture in CSS pixels, of which an inch has 96; `None` where it follows from what is shown.
+    pub width: Option<f64>,
 }
 
 impl Default for PictureStyle {
@@ -54,23 +65,64 @@ impl Default for PictureStyle {
         Self {
             quantity: LocalQuantity::default(),
             limit: None,
-            views: vec![View::Oblique],
+            range: None,
+            palette: None,
+            views: vec![View::Oblique.into()],
+            slices: Vec::new(),
+            on_slices: VoxelQuantity::Phi,
             title: String::new(),
+            caption: None,
+            width: None,
         }
+    }
+}
+
+impl PictureStyle {
+    /// The colours of a surface.
+    pub fn color_scale(&self, surface: &Surface) -> ColorScale {
+        self.scale(|| (surface.values(self.quantity).unwrap_or_default(), surface.mesh.vertex_areas()))
+    }
+
+    /// The colours of the quantity, whose values and their weights are asked for where the limits follow from
+    /// them. Between limits of one sign nothing diverges.
+    pub(crate) fn scale(&self, values: impl FnOnce() -> (Vec<f64>, Vec<f64>)) -> ColorScale {
+        let spans_zero = self.range.is_none_or(|[low, high]| low < 0.0 && high > 0.0);
+        let diverges = self.quantity.is_signed() && spans_zero;
+        let kind = if diverges { ScaleKind::Diverging } else { ScaleKind::Sequential };
+        let scale = match (self.range, self.limit, self.quantity) {
+            (Some(range), ..) => ColorScale::between(kind, range),
+            (None, Some(limit), _) => ColorScale::new(kind, limit),
+            (None, None, LocalQuantity::ShapeIndex) => ColorScale::new(kind, 1.0),
+            (None, None, _) => {
+                let (values, weights) = values();
+                ColorScale::robust(kind, &values, &weights)
+            }
+        };
+        self.palette.map_or(scale, |palette| scale.in_colors(palette))
+    }
+
+    /// The quantity at a surface's vertices.
+    pub(crate) fn values(&self, surface: &Surface) -> Result<Vec<f64>, PictureError> {
+        let quantity = self.quantity;
+        let undefined =
+            PictureError::Undefined { quantity: quantity.meaning(), condition: quantity.condition() };
+        surface.values(quantity).ok_or(undefined)
+    }
+
+    /// The words below a picture of the quantity, after how its surface was made.
+    pub(crate) fn caption_with(&self, made: &str) -> String {
+        self.caption_of(made, sign(self.quantity))
+    }
+
+    /// The words below a picture, with what has to be known of it.
+    pub(crate) fn caption_of(&self, made: &str, remark: &str) -> String {
+        self.caption.clone().unwrap_or_else(|| format!("{made} {remark} {PROGRAM}"))
     }
 }
 
 /// The colours of a quantity on a surface.
 pub fn color_scale(surface: &Surface, quantity: LocalQuantity, limit: Option<f64>) -> ColorScale {
-    let kind = if quantity.is_signed() { ScaleKind::Diverging } else { ScaleKind::Sequential };
-    match (limit, quantity) {
-        (Some(limit), _) => ColorScale::new(kind, limit),
-        (None, LocalQuantity::ShapeIndex) => ColorScale::new(kind, 1.0),
-        (None, _) => {
-            let values = surface.values(quantity).unwrap_or_default();
-            ColorScale::robust(kind, &values, &surface.mesh.vertex_areas())
-        }
-    }
+    PictureStyle { quantity, limit, ..PictureStyle::default() }.color_scale(surface)
 }
 
 /// Draws one picture of an object and its surface.
@@ -83,12 +135,13 @@ pub fn picture(
     surface: &Surface,
     style: &PictureStyle,
 ) -> Result<Figure, PictureError> {
+    let made = how_mapped(object);
     match kind {
-        PictureKind::Surface => surface_figure(surface, style, &caption(object, sign(style.quantity))),
-        PictureKind::Slices => slices_figure(object, style, &caption(object, "φ < 0 inside.")),
+        PictureKind::Surface => surface_figure(surface, style, &style.caption_with(&made)),
+        PictureKind::Slices => slices_figure(object, surface, style),
         PictureKind::Histogram => {
             let remark = format!("{} {OUTER_BINS}", sign(style.quantity));
-            histogram_figure(surface, style, &caption(object, &remark))
+            histogram_figure(surface, style, &style.caption_of(&made, &remark))
         }
         PictureKind::Volume => volume_figure(object, surface, style),
     }
@@ -112,13 +165,17 @@ fn sign(quantity: LocalQuantity) -> &'static str {
         LocalQuantity::Displacement => "Negative where the blur moved the surface inward.",
         LocalQuantity::Distance => "Positive where the\u{a0}later surface lies outside.",
         LocalQuantity::MeanCurvatureChange => "Positive where the\u{a0}later surface bends outward more.",
+        _ => "One standard error.",
     }
 }
 
 const OUTER_BINS: &str = "The outer bins hold all that lies beyond.";
 
-/// How the surface was made, as a paper's figure legend would say, and what has to be known of the picture.
-fn caption(object: &Object, remark: &str) -> String {
+/// What made a picture.
+pub(crate) const PROGRAM: &str = concat!("surfometry ", env!("CARGO_PKG_VERSION"));
+
+/// How the surface was made, as a paper's figure legend would say.
+pub(crate) fn how_mapped(object: &Object) -> String {
     let parameters = object.parameters();
     let of = |sigma: f64| significant(sigma, 4);
     let how = match (object.local_sigmas(), parameters.sigma_mm, parameters.level) {
@@ -136,32 +193,26 @@ fn caption(object: &Object, remark: &str) -> String {
         (_, Some(sigma), Some(level)) => format!("Gaussian blur, sigma {} mm, level {level}", of(sigma)),
         _ => format!("{:?} embedding", parameters.embedding),
     };
-    format!("{how}. {remark} surfometry {}", env!("CARGO_PKG_VERSION"))
-}
-
-fn values(surface: &Surface, quantity: LocalQuantity) -> Result<Vec<f64>, PictureError> {
-    surface
-        .values(quantity)
-        .ok_or(PictureError::Undefined { quantity: quantity.meaning(), condition: quantity.condition() })
+    how + "."
 }
 
 fn surface_figure(surface: &Surface, style: &PictureStyle, caption: &str) -> Result<Figure, PictureError> {
     let normals: Vec<[f64; 3]> = surface.vertices.iter().map(|v| v.normal).collect();
+    let values = style.values(surface)?;
     SurfacePicture {
-        mesh: &surface.mesh,
-        values: &values(surface, style.quantity)?,
-        normals: &normals,
+        surfaces: &[SceneSurface { name: "", mesh: &surface.mesh, values: &values, normals: &normals }],
         quantity: style.quantity.into(),
-        scale: color_scale(surface, style.quantity, style.limit),
+        scale: style.color_scale(surface),
         views: &style.views,
         title: &style.title,
         caption,
+        width: style.width,
     }
     .figure()
 }
 
 fn histogram_figure(surface: &Surface, style: &PictureStyle, caption: &str) -> Result<Figure, PictureError> {
-    values(surface, style.quantity)?;
+    style.values(surface)?;
     let distribution = surface.distribution(style.quantity);
     let series = distribution.map_or_else(Vec::new, |d| {
         let one = |name, weights, moments: &crate::surface::Moments| HistogramSeries {
@@ -177,61 +228,24 @@ fn histogram_figure(surface: &Surface, style: &PictureStyle, caption: &str) -> R
         edges: distribution.map_or(&[], |d| &d.histogram.edges),
         series: &series,
         quantity: style.quantity.into(),
-        scale: Some(color_scale(surface, style.quantity, style.limit)),
+        scale: Some(style.color_scale(surface)),
         title: &style.title,
         caption,
+        width: style.width,
     }
     .figure()
-}
-
-/// The object's box with some of the background around it.
-pub(crate) fn surroundings(object: &Object) -> IndexBox {
-    let spacing = object.grid().spacing().mm();
-    let margin = object.parameters().sigma_mm.map_or(object.parameters().thickness_mm, |s| 2.5 * s);
-    let halo = spacing.map(|h| (margin / h).ceil().max(3.0) as i64);
-    object.available(&object.mask().bounds().grown(halo))
-}
-
-fn slices_figure(object: &Object, style: &PictureStyle, caption: &str) -> Result<Figure, PictureError> {
-    let slices: Vec<Slice> = [2, 1, 0].into_iter().filter_map(|world| slice(object, world)).collect();
-    let reach = object.delta().half_width().max(object.parameters().level.unwrap_or_default());
-    SlicePicture {
-        slices: &slices,
-        quantity: Quantity { name: "Embedding φ", unit: "" },
-        scale: ColorScale::new(ScaleKind::Diverging, reach),
-        title: &style.title,
-        caption,
-    }
-    .figure()
-}
-
-/// The slice through the middle of the object's box, of those image slices that lie most nearly across a
-/// world axis.
-fn slice(object: &Object, world: usize) -> Option<Slice> {
-    let plane = SlicePlane::across(object.grid(), world, surroundings(object));
-    let bounds = object.mask().bounds();
-    let middle = i64::midpoint(bounds.lower[plane.axis], bounds.upper[plane.axis] - 1);
-    let phi = object.voxel_map(VoxelQuantity::Phi, &plane.region(middle))?;
-    let (size, spacing) = (plane.size(), plane.spacing());
-    let phi: Vec<f32> = plane.voxels(middle).map(|voxel| phi.get(voxel)).collect();
-    Some(Slice {
-        name: format!("{}, voxel {} = {middle}", plane.name, ['x', 'y', 'z'][plane.axis]),
-        letters: plane.letters.map(String::from),
-        size,
-        spacing,
-        mask: plane.voxels(middle).map(|voxel| object.mask().get(voxel)).collect(),
-        contour: contour(&phi, size)
-            .into_iter()
-            .map(|ends| ends.map(|[u, v]| [u * spacing[0], v * spacing[1]]))
-            .collect(),
-        phi,
-    })
 }
 
 fn volume_figure(object: &Object, surface: &Surface, style: &PictureStyle) -> Result<Figure, PictureError> {
     let (quantity, voxels) = match style.quantity {
         LocalQuantity::GaussianCurvature => (style.quantity, VoxelQuantity::GaussianCurvature),
         _ => (LocalQuantity::MeanCurvature, VoxelQuantity::MeanCurvature),
+    };
+    // The limits that were asked for are those of another quantity.
+    let style = if quantity == style.quantity {
+        style.clone()
+    } else {
+        PictureStyle { quantity, limit: None, range: None, ..style.clone() }
     };
     let region = surroundings(object);
     let map = |quantity| object.voxel_map(quantity, &region).unwrap_or_else(|| Block::filled(region, 0.0));
@@ -244,10 +258,11 @@ fn volume_figure(object: &Object, surface: &Surface, style: &PictureStyle) -> Re
         values: colors.values(),
         delta: *object.delta(),
         quantity: quantity.into(),
-        scale: color_scale(surface, quantity, style.limit.filter(|_| quantity == style.quantity)),
+        scale: style.color_scale(surface),
         views: &style.views,
         title: &style.title,
-        caption: &caption(object, sign(quantity)),
+        caption: &style.caption_with(&how_mapped(object)),
+        width: style.width,
     }
     .figure()
 }

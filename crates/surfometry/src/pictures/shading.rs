@@ -21,3 +21,11 @@ pub(crate) fn brightness([x, y, z]: [f32; 3]) -> f32 {
     let key = (x * KEY_DIRECTION[0] + y * KEY_DIRECTION[1] + z * KEY_DIRECTION[2]) / length;
     (AMBIENT + HEAD * (z / length).max(0.0) + KEY * key.max(0.0)).min(1.0)
 }
+
+/// Light that a place keeps that sees nothing of the sky.
+const DEEPEST: f32 = 0.3;
+
+/// Share of the light that is left to a place by the share of the sky that it sees.
+pub(crate) fn dimmed(open: f32) -> f32 {
+    DEEPEST + (1.0 - DEEPEST) * open.clamp(0.0, 1.0)
+}

@@ -30,19 +30,19 @@ pub struct Slice {
     pub spacing: [f64; 2],
     /// The mask, u fastest.
     pub mask: Vec<bool>,
-    /// The embedding at the voxels' centres, u fastest.
-    pub phi: Vec<f32>,
+    /// The embedding or another quantity at the voxels' centres, u fastest; where it is NaN, the mask is shown.
+    pub values: Vec<f32>,
     /// Segments of the contour; u and v of both ends in mm from the first voxel's centre.
     pub contour: Vec<[[f64; 2]; 2]>,
 }
 
-/// Slices, each as mask and as embedding, with the contour on both. Voxels are drawn as they are, without
+/// Slices, each as mask and as a quantity, with the contour on both. Voxels are drawn as they are, without
 /// interpolation.
 #[derive(Debug, Clone, Copy)]
 pub struct SlicePicture<'a> {
     /// The slices: three orthogonal ones as a rule.
     pub slices: &'a [Slice],
-    /// What the embedding is.
+    /// What the values are.
     pub quantity: Quantity<'a>,
     /// Its colours.
     pub scale: ColorScale,
@@ -50,6 +50,8 @@ pub struct SlicePicture<'a> {
     pub title: &'a str,
     /// Below all; may be empty.
     pub caption: &'a str,
+    /// Width of the figure in CSS pixels; `None` where it follows from what is in it.
+    pub width: Option<f64>,
 }
 
 impl SlicePicture<'_> {
@@ -63,11 +65,11 @@ impl SlicePicture<'_> {
         let beside = |i: usize| (i / 2, i.is_multiple_of(2));
         let below = |i: usize| (i % count, i < count);
         let [pairs, rows] = [self.contents(beside), self.contents(below)];
-        let (wide, tall) = (Layout::new(&pairs, 2), Layout::new(&rows, count));
-        let phi = self.slices.iter().flat_map(|s| s.phi.iter().map(|v| f64::from(*v)));
+        let values = self.slices.iter().flat_map(|s| s.values.iter().map(|v| f64::from(*v)));
         let bar =
-            ColorBar { scale: &self.scale, quantity: &self.quantity, exceeded: self.scale.exceeded(phi) };
-        let frame = Frame { title: self.title, caption: self.caption, bar };
+            ColorBar { scale: &self.scale, quantity: &self.quantity, exceeded: self.scale.exceeded(values) };
+        let frame = Frame { title: self.title, caption: self.caption, width: self.width, bar };
+        let (wide, tall) = (Layout::new(&pairs, 2, frame.room()), Layout::new(&rows, count, frame.room()));
         if wide.units_per_mm > tall.units_per_mm {
             frame.compose(&pairs, &wide, |canvas, i, place| self.draw(canvas, beside(i), place))
         } else {
@@ -122,10 +124,11 @@ impl SlicePicture<'_> {
             let u = (2 * x + 1) * nu / (2 * pixels[0]);
             let v = nv - 1 - (2 * y + 1) * nv / (2 * pixels[1]);
             let voxel = v * nu + u;
+            let value = slice.values.get(voxel).map_or(f64::NAN, |v| f64::from(*v));
             match slice.mask.get(voxel) {
-                Some(true) if is_mask => INSIDE,
-                _ if is_mask => OUTSIDE,
-                _ => self.scale.rgb(slice.phi.get(voxel).map_or(f64::NAN, |v| f64::from(*v))),
+                _ if !is_mask && !value.is_nan() => self.scale.rgb(value),
+                Some(true) => INSIDE,
+                _ => OUTSIDE,
             }
         })
     }

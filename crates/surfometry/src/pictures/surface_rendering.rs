@@ -9,7 +9,7 @@ use rayon::prelude::*;
 
 use super::camera::Camera;
 use super::raster::{Background, Light, LinearTable, Raster};
-use super::shading::brightness;
+use super::shading::{brightness, dimmed};
 use crate::surface::{Mesh, cross, minus};
 
 /// Samples along each side of a pixel.
@@ -28,6 +28,8 @@ pub struct ColoredSurface<'a> {
     pub colors: &'a [[u8; 3]],
     /// Outward normals at the vertices (RAS); where there are none (`&[]`) triangles are shaded flat.
     pub normals: &'a [[f64; 3]],
+    /// Share of the sky that each vertex sees; 1 where there is none (`&[]`).
+    pub openness: &'a [f32],
 }
 
 /// Draws a surface: hidden parts removed, colours and normals interpolated, nine samples a pixel averaged in
@@ -134,8 +136,9 @@ impl<'a> Scene<'a> {
         let area = doubled_area(corners);
         let weights = weights(corners, at).map(|w| w / area);
         let vertices = self.surface.mesh.triangles[triangle as usize].map(|v| v as usize);
-        let mut rgb = [0.0; 3];
+        let (mut rgb, mut open) = ([0.0; 3], 0.0);
         for (vertex, weight) in vertices.into_iter().zip(weights) {
+            open += weight as f32 * self.surface.openness.get(vertex).copied().unwrap_or(1.0);
             let color = self.linear.light(self.surface.colors.get(vertex).copied().unwrap_or([160; 3]));
             rgb = std::array::from_fn(|i| rgb[i] + weight as f32 * color[i]);
         }
@@ -143,7 +146,7 @@ impl<'a> Scene<'a> {
         let side = if area < 0.0 { 1.0 } else { -1.0 };
         let normal = self.normal(vertices, weights);
         let shade = brightness(self.camera.basis.coordinates(normal).map(|v| (side * v) as f32));
-        rgb.map(|c| c.max(0.0) * shade)
+        rgb.map(|c| c.max(0.0) * shade * dimmed(open))
     }
 
     fn normal(&self, vertices: [usize; 3], weights: [f64; 3]) -> [f64; 3] {
@@ -200,13 +203,13 @@ fn covered([a, b, c]: [f64; 3], count: usize) -> (usize, usize) {
     (clamped(libm::ceil(a.min(b).min(c) - 0.5)), clamped(libm::floor(a.max(b).max(c) + 0.5)))
 }
 
-fn doubled_area([a, b, c]: [[f64; 3]; 3]) -> f64 {
+pub(super) fn doubled_area([a, b, c]: [[f64; 3]; 3]) -> f64 {
     (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
 }
 
 /// Doubled areas opposite to each corner: barycentric coordinates up to the triangle's own. An edge shared by
 /// two triangles gives the same number to both up to its sign, so no sample falls between them.
-fn weights([a, b, c]: [[f64; 3]; 3], at: [f64; 2]) -> [f64; 3] {
+pub(super) fn weights([a, b, c]: [[f64; 3]; 3], at: [f64; 2]) -> [f64; 3] {
     let side = |p: [f64; 3], q: [f64; 3]| {
         let (p, q, sign) = if (p[0], p[1]) <= (q[0], q[1]) { (p, q, 1.0) } else { (q, p, -1.0) };
         sign * ((q[0] - p[0]) * (at[1] - p[1]) - (q[1] - p[1]) * (at[0] - p[0]))

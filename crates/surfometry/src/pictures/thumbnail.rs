@@ -10,7 +10,7 @@ const FILLED: f64 = 0.94;
 
 /// The whole of a surface in a square, from in front, the left and above.
 pub(crate) fn thumbnail(surface: &ColoredSurface, side: usize) -> Raster {
-    let prospect = Prospect::of(View::Oblique, surface.mesh.vertices.iter().copied());
+    let prospect = Prospect::of(View::Oblique.into(), surface.mesh.vertices.iter().copied());
     let [width, height] = prospect.extent;
     let camera = Camera {
         basis: View::Oblique.basis(),

@@ -27,13 +27,17 @@ impl Ticks {
         Self { values: (first..=last).map(|i| i as f64 * step).collect(), decimals: decimals_of(step) }
     }
 
-    /// 1, 2 and 5 times powers of ten within positive limits.
+    /// 1, 2 and 5 times powers of ten within positive limits; where these are fewer than three, equal steps.
     pub(crate) fn on_log([low, high]: [f64; 2]) -> Self {
         let (first, last) = (libm::floor(libm::log10(low)) as i32, libm::ceil(libm::log10(high)) as i32);
         let decades = (first..=last).map(|e| libm::pow(10.0, f64::from(e)));
         let values = decades.flat_map(|decade| [1.0, 2.0, 5.0].map(|m| round_decimal(m * decade)));
         let within = |v: &f64| (low * (1.0 - 1e-9)..=high * (1.0 + 1e-9)).contains(v);
-        Self { values: values.filter(within).collect(), decimals: usize::try_from(-first).unwrap_or(0) }
+        let values: Vec<f64> = values.filter(within).collect();
+        if values.len() < 3 {
+            return Self::new([low, high], 5);
+        }
+        Self { values, decimals: usize::try_from(-first).unwrap_or(0) }
     }
 
     /// Text of a value on this axis.
@@ -153,6 +157,12 @@ mod tests {
             ["0.00", "0.05", "0.10", "0.15"]
         );
         assert_eq!(Ticks::new([1.0, 1.0], 5).values, [1.0]);
+    }
+
+    #[test]
+    fn an_axis_of_ratios_is_marked_also_within_a_decade() {
+        assert_eq!(Ticks::on_log([0.1, 10.0]).values, [0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0]);
+        assert!(Ticks::on_log([1.1, 1.9]).values.len() >= 4);
     }
 
     #[test]

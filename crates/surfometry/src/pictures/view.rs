@@ -62,7 +62,14 @@ impl View {
     /// Letters (L, R, A, P, I, S) at the picture's left, right, bottom and top; none where the axes are
     /// oblique.
     pub fn letters(self) -> Option<[char; 4]> {
-        let Basis { right, up, .. } = self.basis();
+        self.basis().letters()
+    }
+}
+
+impl Basis {
+    /// Letters at the picture's left, right, bottom and top; none where its axes are not the world's.
+    pub(crate) fn letters(&self) -> Option<[char; 4]> {
+        let Self { right, up, .. } = *self;
         Some([letter(right.map(|v| -v))?, letter(right)?, letter(up.map(|v| -v))?, letter(up)?])
     }
 }

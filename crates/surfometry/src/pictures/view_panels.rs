@@ -7,48 +7,62 @@ use super::figure::Figure;
 use super::frame::{Frame, LETTER, NAME, Place, draw_letters, name, pixels};
 use super::layout::{Content, Layout};
 use super::raster::Raster;
-use super::view::View;
-use crate::Choice;
+use super::viewpoint::Viewpoint;
 
 /// Reach of the axes of an oblique view.
 const TRIAD: f64 = 18.0;
 
-/// A figure with a panel a prospect, drawn by `render` with `density` pixels a picture unit.
-pub(crate) fn compose_views(
-    frame: &Frame,
-    prospects: &[Prospect],
-    density: f64,
-    render: impl Fn(&Camera) -> Raster,
-) -> Result<Figure, PictureError> {
-    let contents: Vec<Content> = prospects.iter().map(content).collect();
-    let layout = Layout::best(&contents, 1..=contents.len());
-    frame.compose(&contents, &layout, |canvas, i, place| {
-        draw_panel(canvas, &prospects[i], place, |lift| render(&camera(&prospects[i], place, density, lift)))
-    })
+/// What a panel shows, and its name.
+pub(crate) struct Panel {
+    pub(crate) name: String,
+    pub(crate) prospect: Prospect,
 }
 
-/// Room for letters around the object, or for axes below it.
-fn content(prospect: &Prospect) -> Content {
-    let below = if prospect.view.letters().is_some() { LETTER } else { 2.0 * TRIAD };
-    let rim = [2.0 * LETTER, NAME + LETTER + below];
-    Content { extent: prospect.extent, rim, least_width: text_width(prospect.view.word(), LABEL) }
+impl Panel {
+    /// Named by the viewpoint.
+    pub(crate) fn of_view(prospect: Prospect) -> Self {
+        Self { name: prospect.view.name(), prospect }
+    }
+
+    /// Room for letters around the object, or for axes below it.
+    fn content(&self) -> Content {
+        let below = if self.prospect.view.basis().letters().is_some() { LETTER } else { 2.0 * TRIAD };
+        let rim = [2.0 * LETTER, NAME + LETTER + below];
+        Content { extent: self.prospect.extent, rim, least_width: text_width(&self.name, LABEL) }
+    }
+}
+
+/// A figure with panels, each drawn by `render`, which is told its number, with `density` pixels a picture
+/// unit.
+pub(crate) fn compose_views(
+    frame: &Frame,
+    panels: &[Panel],
+    density: f64,
+    render: impl Fn(usize, &Camera) -> Raster,
+) -> Result<Figure, PictureError> {
+    let contents: Vec<Content> = panels.iter().map(Panel::content).collect();
+    let layout = Layout::best(&contents, 1..=contents.len(), frame.room());
+    frame.compose(&contents, &layout, |canvas, i, place| {
+        let prospect = &panels[i].prospect;
+        draw_panel(canvas, &panels[i], place, |lift| render(i, &camera(prospect, place, density, lift)))
+    })
 }
 
 /// Picture, name and directions of a view; `render` is told how far above the panel's middle the object is to
 /// be.
 fn draw_panel(
     canvas: &mut Canvas,
-    prospect: &Prospect,
+    panel: &Panel,
     place: Place,
     render: impl Fn(f64) -> Raster,
 ) -> Result<(), PictureError> {
-    let view = prospect.view.word();
-    name(canvas, place, &(view[..1].to_uppercase() + &view[1..]));
+    let Panel { name: text, prospect } = panel;
+    name(canvas, place, text);
     if prospect.extent == [0.0; 2] {
         canvas.centered_text(place.middle(), SMALL, FAINT, Anchor::Middle, "no surface");
         return Ok(());
     }
-    let letters = prospect.view.letters().map(|l| l.map(String::from));
+    let letters = prospect.view.basis().letters().map(|l| l.map(String::from));
     // Axes take room below the object, which moves up.
     let lift = if letters.is_some() { 0.0 } else { TRIAD - 0.5 * LETTER };
     canvas.image(place.area, &render(lift))?;
@@ -76,7 +90,7 @@ fn camera(prospect: &Prospect, place: Place, density: f64, lift: f64) -> Camera 
 }
 
 /// The world's axes, for a view along none of them.
-fn triad(canvas: &mut Canvas, view: View, [x, y]: [f64; 2]) {
+fn triad(canvas: &mut Canvas, view: Viewpoint, [x, y]: [f64; 2]) {
     for (axis, letter) in ["R", "A", "S"].into_iter().enumerate() {
         let mut direction = [0.0; 3];
         direction[axis] = 1.0;

@@ -11,8 +11,8 @@ use super::frame::Frame;
 use super::quantity::Quantity;
 use super::raster::{Background, Raster};
 use super::ray_marching::{Marcher, Medium};
-use super::view::View;
-use super::view_panels::compose_views;
+use super::view_panels::{Panel, compose_views};
+use super::viewpoint::Viewpoint;
 use crate::integrals::SmearedDelta;
 use crate::volume::Affine;
 
@@ -41,11 +41,13 @@ pub struct VolumeRendering<'a> {
     /// Their colours: the transfer function.
     pub scale: ColorScale,
     /// One panel each.
-    pub views: &'a [View],
+    pub views: &'a [Viewpoint],
     /// Above all; may be empty.
     pub title: &'a str,
     /// Below all; may be empty.
     pub caption: &'a str,
+    /// Width of the figure in CSS pixels; `None` where it follows from what is in it.
+    pub width: Option<f64>,
 }
 
 impl VolumeRendering<'_> {
@@ -56,12 +58,12 @@ impl VolumeRendering<'_> {
     pub fn figure(&self) -> Result<Figure, PictureError> {
         let marcher = self.marcher()?;
         let outline = self.outline();
-        let prospects: Vec<Prospect> =
-            self.views.par_iter().map(|v| Prospect::of(*v, outline.iter().copied())).collect();
+        let panel = |view: &Viewpoint| Panel::of_view(Prospect::of(*view, outline.iter().copied()));
+        let panels: Vec<Panel> = self.views.par_iter().map(panel).collect();
         let exceeded = self.scale.exceeded(self.valid_values());
         let bar = ColorBar { scale: &self.scale, quantity: &self.quantity, exceeded };
-        let frame = Frame { title: self.title, caption: self.caption, bar };
-        compose_views(&frame, &prospects, DENSITY, |camera| marcher.render(camera, Background::White))
+        let frame = Frame { title: self.title, caption: self.caption, width: self.width, bar };
+        compose_views(&frame, &panels, DENSITY, |_, camera| marcher.render(camera, Background::White))
     }
 
     /// The bare picture from a camera.

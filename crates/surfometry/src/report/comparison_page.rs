@@ -32,13 +32,18 @@ pub fn comparison_chart(comparison: &Comparison) -> Option<Figure> {
     let pairs = |measure: &MeasureAgreement| -> Vec<(f64, f64)> {
         measure.values.iter().map(|value| (value.method, value.standard)).collect()
     };
+    let objects = |measure: &MeasureAgreement| -> Vec<String> {
+        measure.values.iter().map(|value| value.object.to_string()).collect()
+    };
     let shown: Vec<_> = comparison
         .measures
         .iter()
-        .filter_map(|m| m.agreement.as_ref().map(|agreement| (m.column.as_str(), pairs(m), agreement)))
+        .filter_map(|m| m.agreement.as_ref().map(|a| (m.column.as_str(), pairs(m), objects(m), a)))
         .collect();
-    let panels: Vec<AgreementPanel> =
-        shown.iter().map(|(name, pairs, agreement)| AgreementPanel { name, pairs, agreement }).collect();
+    let panels: Vec<AgreementPanel> = shown
+        .iter()
+        .map(|(name, pairs, objects, agreement)| AgreementPanel { name, pairs, objects, agreement })
+        .collect();
     let chart =
         AgreementChart { method: &comparison.method, standard: &comparison.standard, panels: &panels };
     (!panels.is_empty()).then(|| chart.figure())

@@ -94,6 +94,7 @@ fn picture(surface: &Surface, shown: DisplayMesh, side: usize) -> Result<String,
         Mesh { vertices: vertices().map(|v| surface.mesh.vertices[v]).collect(), triangles: shown.triangles };
     let normals: Vec<[f64; 3]> =
         shown.vertices.iter().map(|&v| surface.vertices[v as usize].normal).collect();
-    let colored = ColoredSurface { mesh: &mesh, colors: &scale.colors(&values), normals: &normals };
+    let colored =
+        ColoredSurface { mesh: &mesh, colors: &scale.colors(&values), normals: &normals, openness: &[] };
     thumbnail(&colored, side).to_data_uri()
 }

@@ -2,7 +2,7 @@
 
 use super::packed::{Packed, Packer};
 use crate::measurement::{Object, VoxelQuantity};
-use crate::pictures::{SlicePlane, surroundings};
+use crate::pictures::{ImageSlices, surroundings};
 use serde::Serialize;
 
 /// Slices in one direction, u to the right and v upward.
@@ -45,14 +45,14 @@ pub(super) fn slice_stacks(
     pixels: usize,
 ) -> Vec<SliceStack> {
     let directions = [2, 1, 0];
-    let planes = directions.map(|world| SlicePlane::across(object.grid(), world, surroundings(object)));
+    let planes = directions.map(|world| ImageSlices::across(object.grid(), world, surroundings(object)));
     planes.into_iter().filter_map(|plane| stack(packer, object, &plane, reach, pixels / 3)).collect()
 }
 
 fn stack(
     packer: &mut Packer,
     object: &Object,
-    plane: &SlicePlane,
+    plane: &ImageSlices,
     reach: f64,
     pixels: usize,
 ) -> Option<SliceStack> {

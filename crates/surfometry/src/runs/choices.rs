@@ -1,11 +1,19 @@
 //! What a caller says of a measurement, and the plan that it stands for: the defaults of every front end.
 
 use super::{CalledObjects, LabelScales, Lengths, Plan, RegionImage, RunError, SampleImage, SelectionWords};
+#[cfg(feature = "pictures")]
+use super::{MapFile, MapStyle};
 use crate::inputs::{OpenOptions, Preparation};
 use crate::integrals::{QuadratureRule, Smearing};
 use crate::io::RawLayout;
 use crate::measurement::{Clip, CurvatureScale, Derivatives, EmbeddingKind, Measurement, Padding};
+#[cfg(feature = "pictures")]
+use crate::pictures::PictureKind;
+#[cfg(feature = "pictures")]
+use crate::surface::LocalQuantity;
 use crate::volume::{LabelSelection, LabelTable, Spacing};
+#[cfg(feature = "pictures")]
+use std::path::PathBuf;
 
 /// What a caller says of a measurement. What is left out follows from the rest.
 ///
@@ -126,6 +134,34 @@ impl Choices {
             m = m.delta(delta);
         }
         m
+    }
+
+    /// Whether a choice says which field is measured, and so which surface is meant.
+    #[cfg(feature = "pictures")]
+    fn names_a_field(&self) -> bool {
+        let lengths = !self.sigma.is_empty() || !self.thickness.is_empty() || self.epsilon.is_some();
+        let scheme = self.derivatives.is_some() || self.quadrature.is_some() || self.delta.is_some();
+        lengths || scheme || self.level.is_some() || self.embedding.is_some() || self.paper
+    }
+
+    /// Where a map's curvature is taken, if nothing is said of it. Pictures of the surface alone show the original
+    /// one at its own scale, as do error bars, which no other has; all else is as measured.
+    #[cfg(feature = "pictures")]
+    pub fn scale_of_map<'a>(
+        &self,
+        style: &MapStyle,
+        outputs: impl IntoIterator<Item = &'a PathBuf>,
+    ) -> CurvatureScale {
+        let quantity = style.picture.quantity;
+        let of_surface = |kind: &PictureKind| matches!(kind, PictureKind::Surface | PictureKind::Histogram);
+        let drawn = |path: &PathBuf| MapFile::of_path(path).is_some_and(MapFile::is_picture);
+        let pictures = style.pictures.iter().all(of_surface) && outputs.into_iter().all(drawn);
+        let of_blur = quantity == LocalQuantity::Displacement;
+        if quantity.is_standard_error() || (pictures && !of_blur && !self.names_a_field()) {
+            CurvatureScale::Auto
+        } else {
+            CurvatureScale::AsMeasured
+        }
     }
 
     /// Whether the blur follows each image's spacing.

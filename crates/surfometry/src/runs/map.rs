@@ -1,17 +1,20 @@
 //! Objects to files that show them.
 
-use super::write_map_files;
+use super::joint_maps::JointMaps;
+use super::map_files::{write_joint_maps, write_map_files};
 use super::{
-    Against, AgainstRecord, FileLedger, InputObject, Item, MapStyle, Opened, Plan, Reading, RunError,
-    SurfaceRecord, Task,
+    Against, AgainstRecord, FileLedger, InputObject, Item, MapFile, MapStyle, Opened, Plan, Reading,
+    RunError, Scene, SurfaceRecord, Task,
 };
 use crate::inputs::with_parts;
+use crate::pictures::PictureKind;
 use std::path::PathBuf;
+use std::sync::{Mutex, PoisonError};
 
 /// Maps every selected object of an input: files, and a record with the distributions of curvature.
 ///
 /// ```
-/// use surfometry::{Control, runs::{Batch, Collected, FileLedger, MapStyle, MapTask, Plan}};
+/// use surfometry::{Control, runs::{Batch, Collected, FileLedger, MapStyle, MapTask, Plan, SharedFiles}};
 /// let folder = tempfile::tempdir()?;
 /// let mesh = folder.path().join("ball.ply");
 /// let (inputs, control) = (["phantom:ball?radius=6".to_owned()], Control::default());
@@ -22,6 +25,7 @@ use std::path::PathBuf;
 ///     files: vec![mesh.clone()],
 ///     style: MapStyle::default(),
 ///     ledger: FileLedger::new(&inputs),
+///     shared: SharedFiles::new(&inputs),
 /// };
 /// batch.run(&task, &mut Collected::default())?;
 /// assert!(mesh.is_file());
@@ -40,6 +44,24 @@ pub struct MapTask {
     pub style: MapStyle,
     /// The files of the run.
     pub ledger: FileLedger,
+    /// What is made of all objects together.
+    pub shared: SharedFiles,
+}
+
+/// What a map's run makes of all objects together.
+#[derive(Debug, Default)]
+pub struct SharedFiles {
+    inputs: Vec<String>,
+    scene: Scene,
+    /// Files that were written, with the input's name.
+    written: Mutex<Vec<(String, PathBuf)>>,
+}
+
+impl SharedFiles {
+    /// For a run over these inputs.
+    pub fn new(inputs: &[String]) -> Self {
+        Self { inputs: inputs.to_vec(), scene: Scene::new(inputs), written: Mutex::default() }
+    }
 }
 
 impl Task for MapTask {
@@ -50,17 +72,27 @@ impl Task for MapTask {
         let reading = Reading::of(input, &self.plan)?;
         let files: Vec<PathBuf> =
             self.files.iter().map(|path| with_parts(path, input.part.as_slice())).collect();
+        let voxels: Vec<&PathBuf> =
+            files.iter().filter(|path| MapFile::of_path(path) == Some(MapFile::Voxels)).collect();
+        let mut joint = (self.style.together && !voxels.is_empty())
+            .then(|| JointMaps::new(&self.style.voxels, self.style.outside));
         for object in reading.objects() {
             let mut object = object?;
             object.surface();
             input.control.check()?;
             let against = self.compared(input, &mut object, out)?;
             let written = self.write(input, &object, &files, out);
+            if let Err(error) = self.share(&object, joint.as_mut()) {
+                input.fail(object.failure(&error), out);
+            }
             input.control.check()?;
             let record = SurfaceRecord::of(&object);
             out(Item::Row(SurfaceRecord { against, files: written, ..record }));
         }
-        Ok(())
+        match joint {
+            Some(joint) => self.write_joint(input, joint, &voxels),
+            None => Ok(()),
+        }
     }
 }
 
@@ -106,5 +138,45 @@ impl MapTask {
             }
         }
         written
+    }
+
+    /// Gives an object its place in what all objects are in.
+    fn share(&self, object: &InputObject, joint: Option<&mut JointMaps>) -> Result<(), RunError> {
+        // That there is none is said already.
+        if self.style.together && self.draws_surfaces() && !object.surface().is_empty() {
+            self.shared.scene.add(object, &self.style)?;
+        }
+        joint.map_or(Ok(()), |joint| joint.add(object))
+    }
+
+    fn draws_surfaces(&self) -> bool {
+        let drawn = |path: &PathBuf| MapFile::of_path(path).is_some_and(MapFile::is_picture);
+        self.style.pictures.contains(&PictureKind::Surface) && self.files.iter().any(drawn)
+    }
+
+    fn write_joint(&self, input: &Opened, joint: JointMaps, files: &[&PathBuf]) -> Result<(), RunError> {
+        let joint = joint.finish().ok_or(RunError::NoSurface)?;
+        for path in files {
+            let paths = write_joint_maps(&joint, path, &self.style, &self.ledger)?;
+            let named = paths.into_iter().map(|path| (input.name.to_owned(), path));
+            self.shared.written.lock().unwrap_or_else(PoisonError::into_inner).extend(named);
+        }
+        Ok(())
+    }
+
+    /// Writes what shows all objects of a run that has ended; the names of all files that objects share, in the order of
+    /// the inputs.
+    ///
+    /// # Errors
+    /// [`RunError`].
+    pub fn finish(&self) -> Result<Vec<PathBuf>, RunError> {
+        let SharedFiles { inputs, written, .. } = &self.shared;
+        let mut written = std::mem::take(&mut *written.lock().unwrap_or_else(PoisonError::into_inner));
+        written.sort_by_key(|(name, _)| inputs.iter().position(|input| input == name));
+        let mut written: Vec<PathBuf> = written.into_iter().map(|(_, path)| path).collect();
+        if self.style.together && self.draws_surfaces() {
+            written.extend(self.shared.scene.write(&self.files, &self.style, &self.ledger)?);
+        }
+        Ok(written)
     }
 }

@@ -17,6 +17,8 @@ mod file_ledger;
 mod fingerprint;
 mod flatten;
 mod info;
+#[cfg(feature = "pictures")]
+mod joint_maps;
 mod journal;
 mod journalled;
 mod label_scales;
@@ -34,6 +36,8 @@ mod object;
 mod object_names;
 mod part_tables;
 #[cfg(feature = "pictures")]
+pub mod picture_words;
+#[cfg(feature = "pictures")]
 mod pictures;
 mod plan;
 mod reading;
@@ -41,6 +45,8 @@ mod record;
 mod reference;
 mod rerun;
 mod scale_ledger;
+#[cfg(feature = "pictures")]
+mod scene;
 mod settings;
 mod shard;
 mod surface_record;
@@ -77,7 +83,7 @@ pub use label_words::{GroupWords, LabelWord, SelectionWords};
 pub use lengths::{Length, Lengths};
 pub use made_by::MadeBy;
 #[cfg(feature = "pictures")]
-pub use map::MapTask;
+pub use map::{MapTask, SharedFiles};
 #[cfg(feature = "pictures")]
 pub use map_files::{MapFile, MapStyle, write_figure, write_map_files};
 pub use measure::{MeasureTask, records_of};
@@ -93,6 +99,8 @@ pub use record::{Failure, Record, SCHEMA};
 pub use reference::{REFERENCE_SCHEMA, ReferenceRecord, ReferenceTask};
 pub use rerun::{Finding, Repeated, Repetition, RerunError, WrittenRun};
 pub use scale_ledger::ScaleLedger;
+#[cfg(feature = "pictures")]
+pub use scene::Scene;
 pub use settings::Settings;
 pub use shard::Shard;
 pub use surface_record::{MAP_SCHEMA, RegionDistributions, SurfaceRecord};

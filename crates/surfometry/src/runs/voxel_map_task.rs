@@ -1,7 +1,7 @@
 //! Objects to voxel maps, kept in memory.
 
 use super::{Item, Opened, Plan, Reading, Record, RunError, Task};
-use crate::measurement::VoxelQuantity;
+use crate::measurement::{Outside, VoxelQuantity};
 
 /// Maps quantities of every selected object of an input on the input's own lattice, as
 /// [`MapTask`](super::MapTask) does, without files.
@@ -12,7 +12,8 @@ use crate::measurement::VoxelQuantity;
 /// let batch = Batch { inputs: &inputs, open: Default::default(), control: &control, cure: |_| None };
 /// let plan = Plan { recover: false, ..Plan::default() };
 /// let mut found = Collected::default();
-/// batch.run(&VoxelMapTask { plan, quantities: vec![VoxelQuantity::Phi] }, &mut found)?;
+/// let quantities = vec![VoxelQuantity::Phi];
+/// batch.run(&VoxelMapTask { plan, quantities, outside: Default::default() }, &mut found)?;
 /// assert!(found.results[0].maps[0].iter().any(|&phi| phi < 0.0));
 /// # Ok::<(), std::io::Error>(())
 /// ```
@@ -22,6 +23,8 @@ pub struct VoxelMapTask {
     pub plan: Plan,
     /// What the maps show.
     pub quantities: Vec<VoxelQuantity>,
+    /// What those of curvature have outside the band.
+    pub outside: Outside,
 }
 
 /// Maps of one object.
@@ -42,7 +45,8 @@ impl Task for VoxelMapTask {
             let object = object?;
             let region = object.object.grid().index_box();
             let map = |&quantity: &VoxelQuantity| {
-                let map = object.local().voxel_map(quantity, &region).ok_or(RunError::NoSurface)?;
+                let map = object.local().voxel_map_on(quantity, &region, self.outside.value());
+                let map = map.ok_or(RunError::NoSurface)?;
                 input.control.check()?;
                 Ok(map.into_storage())
             };

@@ -10,7 +10,7 @@ use thiserror::Error;
 pub struct WordError(pub(super) String);
 
 impl WordError {
-    fn new(text: &str) -> Self {
+    pub(super) fn new(text: &str) -> Self {
         Self(text.to_owned())
     }
 }

@@ -1,6 +1,7 @@
 //! The numbers that are known at a vertex.
 
 use super::VertexGeometry;
+use crate::accuracy::CurvatureErrors;
 use crate::choice::choices;
 
 /// A number at every vertex of a surface.
@@ -25,6 +26,16 @@ pub enum LocalQuantity {
     Distance,
     /// By how much H is larger on that, 1/mm.
     MeanCurvatureChange,
+    /// Standard error of H, 1/mm; of the corrected and the recovering embedding, as those below.
+    MeanCurvatureError,
+    /// Standard error of K, 1/mm^2.
+    GaussianCurvatureError,
+    /// Standard error of k1, 1/mm.
+    K1Error,
+    /// Standard error of k2, 1/mm.
+    K2Error,
+    /// Standard error of the shape index.
+    ShapeIndexError,
 }
 
 choices!(LocalQuantity, "quantity": {
@@ -37,6 +48,11 @@ choices!(LocalQuantity, "quantity": {
     Displacement = "displacement": "Displacement by the blur",
     Distance = "distance": "Distance to the later surface",
     MeanCurvatureChange = "mean-curvature-change": "Change of mean curvature H",
+    MeanCurvatureError = "mean-curvature-standard-error": "Standard error of mean curvature H",
+    GaussianCurvatureError = "gaussian-curvature-standard-error": "Standard error of Gaussian curvature K",
+    K1Error = "k1-standard-error": "Standard error of principal curvature k1",
+    K2Error = "k2-standard-error": "Standard error of principal curvature k2",
+    ShapeIndexError = "shape-index-standard-error": "Standard error of the shape index",
 });
 
 impl LocalQuantity {
@@ -52,6 +68,11 @@ impl LocalQuantity {
             Self::Displacement => "displacement_mm",
             Self::Distance => "distance_mm",
             Self::MeanCurvatureChange => "mean_curvature_change_per_mm",
+            Self::MeanCurvatureError => "mean_curvature_per_mm_standard_error",
+            Self::GaussianCurvatureError => "gaussian_curvature_per_mm2_standard_error",
+            Self::K1Error => "k1_per_mm_standard_error",
+            Self::K2Error => "k2_per_mm_standard_error",
+            Self::ShapeIndexError => "shape_index_standard_error",
         }
     }
 
@@ -61,8 +82,9 @@ impl LocalQuantity {
             Self::MeanCurvature | Self::K1 | Self::K2 | Self::Curvedness | Self::MeanCurvatureChange => {
                 "1/mm"
             }
-            Self::GaussianCurvature => "1/mm^2",
-            Self::ShapeIndex => "",
+            Self::MeanCurvatureError | Self::K1Error | Self::K2Error => "1/mm",
+            Self::GaussianCurvature | Self::GaussianCurvatureError => "1/mm^2",
+            Self::ShapeIndex | Self::ShapeIndexError => "",
             Self::Displacement | Self::Distance => "mm",
         }
     }
@@ -73,18 +95,26 @@ impl LocalQuantity {
         match self {
             Self::Displacement => "the Gaussian embedding at level 0.5",
             Self::Distance | Self::MeanCurvatureChange => "a surface that is compared with a later one",
+            _ if self.is_standard_error() => "embeddings of the original surface (a scale for curvature)",
             _ => "a surface",
         }
     }
 
     /// Whether it can be negative.
     pub fn is_signed(self) -> bool {
-        self != Self::Curvedness
+        self != Self::Curvedness && !self.is_standard_error()
     }
 
-    /// Its value at a vertex; `None` for a displacement that is not defined, and where no later surface is known.
+    /// Whether it is the error bar of another one.
+    pub fn is_standard_error(self) -> bool {
+        self.name().ends_with("_standard_error")
+    }
+
+    /// Its value at a vertex; `None` for a displacement or a standard error that is not defined, and where no later surface is
+    /// known.
     pub fn at(self, vertex: &VertexGeometry) -> Option<f64> {
         let curvature = &vertex.curvature;
+        let error = |of: fn(&CurvatureErrors) -> f32| vertex.errors.as_ref().map(|e| f64::from(of(e)));
         match self {
             Self::MeanCurvature => Some(curvature.mean_curvature),
             Self::GaussianCurvature => Some(curvature.gaussian_curvature),
@@ -95,6 +125,10 @@ impl LocalQuantity {
             Self::Displacement => vertex.displacement,
             Self::Distance => vertex.change.map(|change| f64::from(change.distance)),
             Self::MeanCurvatureChange => vertex.change.map(|change| f64::from(change.mean_curvature)),
+            Self::MeanCurvatureError => error(|e| e.mean_curvature),
+            Self::GaussianCurvatureError => error(|e| e.gaussian_curvature),
+            Self::K1Error | Self::K2Error => error(|e| e.principal),
+            Self::ShapeIndexError => error(|e| e.shape_index),
         }
     }
 

@@ -42,18 +42,7 @@ type DirectionArray = (&'static str, fn(&VertexGeometry) -> [f64; 3]);
 const DIRECTION_ARRAYS: [DirectionArray; 3] =
     [("normal", |g| g.normal), ("direction_1", |g| g.direction_1), ("direction_2", |g| g.direction_2)];
 
-/// An array of standard errors: name and value.
-type ErrorArray = (&'static str, fn(&CurvatureErrors) -> f32);
-
-const ERROR_ARRAYS: [ErrorArray; 5] = [
-    ("mean_curvature_per_mm_standard_error", |e| e.mean_curvature),
-    ("gaussian_curvature_per_mm2_standard_error", |e| e.gaussian_curvature),
-    ("k1_per_mm_standard_error", |e| e.principal),
-    ("k2_per_mm_standard_error", |e| e.principal),
-    ("shape_index_standard_error", |e| e.shape_index),
-];
-
-/// The same of changes to a later surface.
+/// An array of standard errors of changes to a later surface: name and value.
 type ChangeErrorArray = (&'static str, fn(&VertexChange) -> Option<f32>);
 
 const CHANGE_ERROR_ARRAYS: [ChangeErrorArray; 2] = [
@@ -111,7 +100,7 @@ impl VertexGeometry {
         };
         let [normal, directions @ ..] = DIRECTION_ARRAYS.map(vector);
         let mut arrays: Vec<VertexArray> = LocalQuantity::ALL.iter().copied().filter_map(scalar).collect();
-        // In the contract's order: H, K, k1, k2, then directions.
+        // In the contract's order: H, K, k1, k2, then directions; standard errors last.
         arrays.splice(4..4, directions);
         arrays.insert(0, normal);
         let known = |name: &'static str, value: &dyn Fn(&Self) -> Option<f32>| {
@@ -119,8 +108,6 @@ impl VertexGeometry {
             let values = values.filter(|values| !values.is_empty())?;
             Some(VertexArray { name: name.into(), values: VertexValues::Scalar(values) })
         };
-        let errors = ERROR_ARRAYS.into_iter();
-        arrays.extend(errors.filter_map(|(name, error)| known(name, &|v| v.errors.as_ref().map(error))));
         let errors = CHANGE_ERROR_ARRAYS.into_iter();
         arrays.extend(errors.filter_map(|(name, error)| known(name, &|v| error(v.change.as_ref()?))));
         arrays.extend(known("curvature_sigma_mm", &|v| v.curvature_sigma));

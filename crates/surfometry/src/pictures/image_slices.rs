@@ -14,7 +14,7 @@ const NEARLY: f64 = 0.9962;
 /// Those slices of an image that lie most nearly across a world axis, within a box: u runs to the right of the
 /// picture, v upward.
 #[derive(Debug, Clone)]
-pub(crate) struct SlicePlane {
+pub(crate) struct ImageSlices {
     /// Such as `Axial`, or `Near Axial`.
     pub(crate) name: String,
     /// Directions at the left, right, bottom and top.
@@ -27,7 +27,7 @@ pub(crate) struct SlicePlane {
     within: IndexBox,
 }
 
-impl SlicePlane {
+impl ImageSlices {
     /// Across a world axis.
     pub(crate) fn across(grid: &Grid, world: usize, within: IndexBox) -> Self {
         let affine = grid.affine();
