@@ -110,7 +110,7 @@ fn is_steady(values: &[Option<f64>], intervals: &[Option<f64>]) -> bool {
     let known = intervals.iter().map(|interval| interval.unwrap_or_default());
     let interval = known.reduce(f64::min).unwrap_or_default();
     let size = least.abs();
-    most - least <= (2.0 * interval).clamp(SAME * size, OTHER * size)
+    most - least <= (2.0 * interval).max(SAME * size).min(OTHER * size)
 }
 
 #[cfg(test)]
