@@ -343,7 +343,7 @@ fn surfaces_are_compared_with_later_ones() {
     let done = run_in(folder.path(), &args);
     assert_eq!(done.status.code(), Some(1));
     let said = text(&done.stderr);
-    assert!(said.contains("label 4") && said.contains(later) && said.contains("1"), "{said}");
+    assert!(said.contains("label 4") && said.contains(later) && said.contains('1'), "{said}");
     let document: Value =
         serde_json::from_slice(&std::fs::read(folder.path().join("b.json")).unwrap()).unwrap();
     assert!(document["results"][0]["against"]["distance_mm"]["mean"].is_f64());

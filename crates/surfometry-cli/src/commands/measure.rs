@@ -81,7 +81,7 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
     let inputs = expand(&args.inputs);
     check_output(args.results.path(), &inputs)?;
     check_output(args.png.as_deref(), &inputs)?;
-    let beside = part_tables(args)?;
+    let beside = part_tables(args, &plan)?;
     for path in &beside {
         check_output(Some(path), &inputs)?;
     }
@@ -98,6 +98,7 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
     let settings = Settings::of(&plan);
     let mut journal = args.journal.begin(&plan, &inputs, args.results.path())?;
     let inputs = args.journal.own(&inputs);
+    let asked = plan.clone();
     let task = MeasureTask { plan, pictures, timings: args.timings };
     let control = control(inputs.len(), Voice { quiet, memory: args.verbose });
     let batch = Batch { inputs: &inputs, open, control: &control, cure };
@@ -116,7 +117,7 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
             say_sigmas(&sigmas);
         }
         if let Some(path) = args.results.path().filter(|_| !beside.is_empty()) {
-            tables.write(path, args.regions.is_some(), args.interfaces)?;
+            tables.write(path, &asked)?;
         }
         Ok(outcome)
     })?;
@@ -124,11 +125,11 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
 }
 
 /// The tables of regions and interfaces that lie beside the one of objects.
-fn part_tables(args: &Args) -> Result<Vec<PathBuf>> {
+fn part_tables(args: &Args, plan: &Plan) -> Result<Vec<PathBuf>> {
     let wanted = args.regions.is_some() || args.interfaces;
     match args.results.path() {
         _ if !wanted || args.results.format() != OutputFormat::Csv => Ok(Vec::new()),
-        Some(path) => Ok(PartTables::paths(path, args.regions.is_some(), args.interfaces)),
+        Some(path) => Ok(PartTables::paths(path, plan)),
         None => bail!(
             "regions and interfaces have tables of their own beside -o FILE.csv: name it, or take --format json"
         ),

@@ -92,6 +92,7 @@ mod tests {
     /// that of the lattice-point law, A / (8 pi^3 xi^4) of V, spread by the blur over 4 pi sigma^2.
     #[test]
     fn faces_and_the_mean_over_directions_are_known_laws() {
+        const N: i32 = 200;
         let spacing = [0.7, 0.8, 1.1];
         let grid = Grid::axis_aligned([4; 3], spacing).unwrap();
         let turned =
@@ -108,7 +109,6 @@ mod tests {
         assert!((a / b - 1.0).abs() < 1e-12);
         let sigma = 4.0;
         let noise = PositionNoise::new(&grid, sigma, false);
-        const N: i32 = 200;
         let (mut sum, mut count) = (0.0, 0.0);
         for i in 0..N {
             let z = (f64::from(i) + 0.5) / f64::from(N);

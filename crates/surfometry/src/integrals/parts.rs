@@ -11,6 +11,7 @@ use std::collections::BTreeMap;
 impl Partial {
     /// As [`Partial::of_tile`], each voxel for the part that it belongs to; what belongs to none is left out. The parts add
     /// up to the whole, but for how their sums are rounded. The voxels of the band are shown to an observer.
+    #[expect(clippy::too_many_arguments, reason = "those of `of_tile`, and which part and who looks")]
     pub fn of_tile_by_part<D: Differentiation + ?Sized>(
         scheme: &D,
         field: &TileField<D>,

@@ -86,6 +86,7 @@ impl Contacts {
     /// A pair counts for its own two labels where these touch around here: what it counts too often or too seldom at rims
     /// then goes with the square of its length, and cancels. Where they do not, as on both sides of a layer, it counts for
     /// what lies on its way.
+    #[expect(clippy::too_many_arguments, reason = "a row of a block, and a way through it")]
     fn count_row(
         &mut self,
         labels: &[u32],

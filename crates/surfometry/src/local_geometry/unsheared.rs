@@ -15,7 +15,7 @@ pub(crate) struct Unsheared<D> {
 impl<D: Differentiation> Unsheared<D> {
     /// Of a scheme whose derivatives are along the axes of a grid.
     pub(crate) fn new(scheme: D, grid: &Grid) -> Self {
-        Self { scheme, shear: grid.shear().copied() }
+        Self { scheme, shear: grid.shear() }
     }
 }
 

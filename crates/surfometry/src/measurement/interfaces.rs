@@ -239,7 +239,7 @@ impl<'a> Partition<'a> {
                 let field = s.tile_field(Vec::new(), tile, half_width);
                 Partial::of_tile_by_part(s, &field, tile, &setup.band, &setup.quadrature, &part_of, &mut |_, _| {})
             });
-            sum = parts.values().fold(sum, |sum, part| sum.merged(part));
+            sum = parts.values().fold(sum, Partial::merged);
         }
         let integrals = Integrals::of(&sum, setup.grid.spacing());
         (integrals.band_voxels >= FEWEST && integrals.has_surface()).then_some(Core(integrals))

@@ -164,7 +164,9 @@ impl Object {
             sums
         };
         let merged = |mut all: Sums, some: Sums| {
-            some.iter().for_each(|(region, sums)| all.entry(*region).or_default().merge(sums));
+            for (region, sums) in &some {
+                all.entry(*region).or_default().merge(sums);
+            }
             all
         };
         // In their order: lengths of borders are rounded.

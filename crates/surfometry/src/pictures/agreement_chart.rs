@@ -114,34 +114,34 @@ impl AgreementChart<'_> {
             canvas.line([origin[0], axes.y(value)], [origin[0] + PLOT[0], axes.y(value)], color, 1.6);
         }
         points(canvas, &axes, places.iter().copied());
-        self.outliers(canvas, panel, &axes, &places);
+        outliers(canvas, panel, &axes, &places);
     }
+}
 
-    /// Names of the objects beyond the limits of agreement, the farthest first, as far as they do not cover each
-    /// other.
-    fn outliers(&self, canvas: &mut Canvas, panel: &AgreementPanel, axes: &Axes, places: &[[f64; 2]]) {
-        let BlandAltman { bias, limits, .. } = panel.agreement.bland_altman;
-        let [low, high] = [limits[0].value, limits[1].value];
-        let mut beyond: Vec<([f64; 2], &String)> = places
-            .iter()
-            .copied()
-            .zip(panel.objects)
-            .filter(|([_, difference], _)| *difference < low || *difference > high)
-            .collect();
-        let distance = |[_, difference]: [f64; 2]| (difference - bias.value).abs();
-        beyond.sort_by(|a, b| distance(b.0).total_cmp(&distance(a.0)));
-        let mut taken: Vec<f64> = Vec::new();
-        for ([mean, difference], object) in beyond.into_iter().take(MOST_NAMED) {
-            let [x, y] = [axes.x(mean), axes.y(difference)];
-            if taken.iter().any(|other| (other - y).abs() < SMALL) {
-                continue;
-            }
-            taken.push(y);
-            // On the side that has more room.
-            let right = x < axes.origin[0] + 0.5 * axes.size[0];
-            let (at, anchor) = if right { (x + 6.0, Anchor::Start) } else { (x - 6.0, Anchor::End) };
-            canvas.centered_text([at, y], SMALL - 1.5, INK, anchor, &shortened(object));
+/// Names of the objects beyond the limits of agreement, the farthest first, as far as they do not cover each
+/// other.
+fn outliers(canvas: &mut Canvas, panel: &AgreementPanel, axes: &Axes, places: &[[f64; 2]]) {
+    let BlandAltman { bias, limits, .. } = panel.agreement.bland_altman;
+    let [low, high] = [limits[0].value, limits[1].value];
+    let mut beyond: Vec<([f64; 2], &String)> = places
+        .iter()
+        .copied()
+        .zip(panel.objects)
+        .filter(|([_, difference], _)| *difference < low || *difference > high)
+        .collect();
+    let distance = |[_, difference]: [f64; 2]| (difference - bias.value).abs();
+    beyond.sort_by(|a, b| distance(b.0).total_cmp(&distance(a.0)));
+    let mut taken: Vec<f64> = Vec::new();
+    for ([mean, difference], object) in beyond.into_iter().take(MOST_NAMED) {
+        let [x, y] = [axes.x(mean), axes.y(difference)];
+        if taken.iter().any(|other| (other - y).abs() < SMALL) {
+            continue;
         }
+        taken.push(y);
+        // On the side that has more room.
+        let right = x < axes.origin[0] + 0.5 * axes.size[0];
+        let (at, anchor) = if right { (x + 6.0, Anchor::Start) } else { (x - 6.0, Anchor::End) };
+        canvas.centered_text([at, y], SMALL - 1.5, INK, anchor, &shortened(object));
     }
 }
 

@@ -51,6 +51,7 @@ impl ColorScale {
     }
 
     /// The same limits in other colours.
+    #[must_use]
     pub fn in_colors(self, palette: Palette) -> Self {
         Self { palette, ..self }
     }

@@ -113,9 +113,8 @@ impl<'a> Sheet<'a> {
         for segment in path.data().segments() {
             match segment {
                 PathSegment::MoveTo(p) => content.move_to(p.x, p.y),
-                PathSegment::LineTo(p) => content.line_to(p.x, p.y),
-                // No figure has curves other than letters, which are text.
-                PathSegment::QuadTo(_, p) => content.line_to(p.x, p.y),
+                // No figure has such curves other than letters, which are text.
+                PathSegment::LineTo(p) | PathSegment::QuadTo(_, p) => content.line_to(p.x, p.y),
                 PathSegment::CubicTo(a, b, p) => content.cubic_to(a.x, a.y, b.x, b.y, p.x, p.y),
                 PathSegment::Close => content.close_path(),
             };

@@ -77,7 +77,9 @@ impl DisplayMesh {
         vertices.sort_unstable();
         vertices.dedup();
         let place = |v: u32| vertices.binary_search(&v).map_or(0, |place| place as u32);
-        triangles.iter_mut().for_each(|triangle| *triangle = triangle.map(place));
+        for triangle in &mut triangles {
+            *triangle = triangle.map(place);
+        }
         Self { vertices, triangles }
     }
 }

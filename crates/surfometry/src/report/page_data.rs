@@ -97,7 +97,7 @@ fn scales() -> Vec<Value> {
     };
     let of = |gradient: colorous::Gradient| {
         let color = |n| gradient.eval_rational(n as usize, STOPS as usize);
-        (0..STOPS).map(|n| color(n)).map(|color| [color.r, color.g, color.b]).collect::<Vec<_>>()
+        (0..STOPS).map(color).map(|color| [color.r, color.g, color.b]).collect::<Vec<_>>()
     };
     let reversed = |gradient| of(gradient).into_iter().rev().collect::<Vec<_>>();
     let scale =

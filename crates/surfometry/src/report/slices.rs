@@ -57,7 +57,9 @@ fn stack(
     pixels: usize,
 ) -> Option<SliceStack> {
     let [width, height] = plane.size();
-    let every = (1..).find(|&n| width.div_ceil(n) * height.div_ceil(n) <= pixels.max(64)).unwrap_or(1);
+    let every = (1..=width.max(height))
+        .find(|&n| width.div_ceil(n) * height.div_ceil(n) <= pixels.max(64))
+        .unwrap_or(1);
     let size = [width.div_ceil(every), height.div_ceil(every)];
     let (slices, first) = chosen(object, plane.axis, (pixels / (size[0] * size[1])).clamp(1, MOST));
     let voxels = |slice: i64| {

@@ -29,6 +29,9 @@ struct Maps {
 /// Rank of an object's own voxels in its band.
 const OWN: f32 = -1.0;
 
+/// A quantity, and its value at every voxel of an image.
+pub(super) type NamedMap = (VoxelQuantity, Vec<f32>);
+
 impl JointMaps {
     pub(super) fn new(quantities: &[VoxelQuantity], outside: Outside) -> Self {
         Self { quantities: quantities.to_vec(), outside, maps: None }
@@ -61,7 +64,7 @@ impl JointMaps {
     }
 
     /// The maps with their lattice; `None` where no object has a place.
-    pub(super) fn finish(self) -> Option<(Grid, Vec<(VoxelQuantity, Vec<f32>)>)> {
+    pub(super) fn finish(self) -> Option<(Grid, Vec<NamedMap>)> {
         let Maps { grid, values, .. } = self.maps?;
         Some((grid, self.quantities.into_iter().zip(values).collect()))
     }

@@ -1,7 +1,7 @@
 //! Tables of what records hold lists of: the parts of objects by regions, and their interfaces.
 
 use super::document::text_cell;
-use super::{Failure, Record, Sink};
+use super::{Failure, Plan, Record, Sink};
 use crate::inputs::with_parts;
 use crate::io::write_whole;
 use crate::measurement::{Interface, InterfaceValues, RegionPart, SurfaceValues};
@@ -31,9 +31,9 @@ impl<'a> PartTables<'a> {
         Self { inner, regions: Vec::new(), interfaces: Vec::new(), known: BTreeSet::new() }
     }
 
-    /// The tables that lie beside one, as far as they are asked for.
-    pub fn paths(beside: &Path, regions: bool, interfaces: bool) -> Vec<PathBuf> {
-        let asked = [("regions", regions), ("interfaces", interfaces)];
+    /// The tables that lie beside one, as far as a plan asks for them.
+    pub fn paths(beside: &Path, plan: &Plan) -> Vec<PathBuf> {
+        let asked = [("regions", plan.regions.is_some()), ("interfaces", plan.interfaces)];
         asked.iter().filter(|(_, asked)| *asked).map(|(name, _)| with_parts(beside, &[*name])).collect()
     }
 
@@ -41,15 +41,20 @@ impl<'a> PartTables<'a> {
     ///
     /// # Errors
     /// Whatever keeps one from being written.
-    pub fn write(self, beside: &Path, regions: bool, interfaces: bool) -> io::Result<()> {
+    pub fn write(self, beside: &Path, plan: &Plan) -> io::Result<()> {
         let values = names_of(&SurfaceValues::default())?;
         let blurred = values.iter().map(|name| format!("blurred_{name}"));
         let region_columns = [strings(&OBJECT), strings(&REGION), with_errors(&values)].concat();
         let contacts = with_errors(&names_of(&InterfaceValues::default())?);
         let contact_columns = [strings(&CONTACT), contacts, strings(&["curvature_share"])].concat();
         let tables = [
-            (regions, "regions", region_columns.into_iter().chain(blurred).collect(), self.regions),
-            (interfaces, "interfaces", contact_columns, self.interfaces),
+            (
+                plan.regions.is_some(),
+                "regions",
+                region_columns.into_iter().chain(blurred).collect(),
+                self.regions,
+            ),
+            (plan.interfaces, "interfaces", contact_columns, self.interfaces),
         ];
         for (_, name, columns, rows) in tables.into_iter().filter(|(asked, ..)| *asked) {
             write_table(&with_parts(beside, &[name]), &columns, &rows)?;

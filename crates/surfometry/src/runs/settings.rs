@@ -11,6 +11,7 @@ use serde_json::Value;
 
 /// Everything that a run's numbers depend on beside its inputs, as a value that can be written and compared.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[expect(clippy::struct_excessive_bools, reason = "each is a switch of a run")]
 pub struct Settings {
     #[serde(flatten)]
     measurement: Measurement,

@@ -95,7 +95,9 @@ impl<'a> Places<'a> {
         let mut below = 0.0;
         for alike in order.chunk_by(|&a, &b| values[a] == values[b]) {
             let share: f64 = alike.iter().map(|&n| self.shares[n]).sum();
-            alike.iter().for_each(|&n| ranks[n] = below + 0.5 * share);
+            for &n in alike {
+                ranks[n] = below + 0.5 * share;
+            }
             below += share;
         }
         Some(ranks)
@@ -127,7 +129,7 @@ impl<'a> Places<'a> {
     fn effective_size(&self, first: &[f64], second: &[f64]) -> f64 {
         let means = [self.patch_means(first), self.patch_means(second)];
         let farthest =
-            self.patches.iter().flat_map(|(p, _)| self.patches.first().map(|(q, _)| distance(p, q)));
+            self.patches.iter().filter_map(|(p, _)| self.patches.first().map(|(q, _)| distance(p, q)));
         let longest = 2.0 * farthest.fold(0.0, f64::max);
         // By bin of distance, pairs of a patch with itself first: weight, and both covariances times it.
         let mut bins = vec![[0.0; 3]; BINS + 2];

@@ -122,6 +122,8 @@ fn share(part: f64, whole: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    const STEPS: usize = 40;
     use proptest::prelude::*;
 
     fn points(count: usize) -> impl Strategy<Value = Vec<[f64; 3]>> {
@@ -142,7 +144,6 @@ mod tests {
             let distance = length(minus(found.vector_between(|corner| mesh.vertices[corner]), point));
             prop_assert!((found.weights.iter().sum::<f64>() - 1.0).abs() < 1e-12);
             prop_assert!(found.weights.iter().all(|w| (-1e-12..=1.0 + 1e-12).contains(w)));
-            const STEPS: usize = 40;
             let mut least = f64::INFINITY;
             for &triangle in &mesh.triangles {
                 let [a, b, c] = mesh.corners(triangle);

@@ -79,10 +79,14 @@ impl LocalQuantity {
     /// Unit, empty for a pure number.
     pub fn unit(self) -> &'static str {
         match self {
-            Self::MeanCurvature | Self::K1 | Self::K2 | Self::Curvedness | Self::MeanCurvatureChange => {
-                "1/mm"
-            }
-            Self::MeanCurvatureError | Self::K1Error | Self::K2Error => "1/mm",
+            Self::MeanCurvature
+            | Self::K1
+            | Self::K2
+            | Self::Curvedness
+            | Self::MeanCurvatureChange
+            | Self::MeanCurvatureError
+            | Self::K1Error
+            | Self::K2Error => "1/mm",
             Self::GaussianCurvature | Self::GaussianCurvatureError => "1/mm^2",
             Self::ShapeIndex | Self::ShapeIndexError => "",
             Self::Displacement | Self::Distance => "mm",

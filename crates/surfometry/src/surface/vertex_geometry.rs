@@ -56,7 +56,7 @@ impl VertexGeometry {
         let magnitude = jet.gradient_magnitude();
         let normal = jet.gradient.map(|g| g / magnitude);
         let [direction_1, direction_2] = principal_directions(jet, normal);
-        let world = |v| grid.to_world(v);
+        let world = |v| grid.in_world(v);
         Self {
             normal: world(normal),
             curvature,

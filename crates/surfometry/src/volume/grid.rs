@@ -22,7 +22,6 @@ pub struct Grid {
     dimensions: [usize; 3],
     spacing: Spacing,
     affine: Affine,
-    shear: Option<Shear>,
 }
 
 /// What a grid is written as.
@@ -62,10 +61,10 @@ impl Grid {
         check_shear(&affine)?;
         let shrunk = libm::cbrt(affine.determinant().abs() / lengths.cell_volume());
         if strain(&affine) == 0.0 {
-            return Ok(Self { dimensions, spacing: lengths, affine, shear: None });
+            return Ok(Self { dimensions, spacing: lengths, affine });
         }
         let spacing = Spacing::new(lengths.mm().map(|h| h * shrunk))?;
-        Ok(Self { dimensions, spacing, affine, shear: Some(Shear::of(&affine, spacing)) })
+        Ok(Self { dimensions, spacing, affine })
     }
 
     /// By how much a length may differ from what it would be if the axes were perpendicular, as a share of it; 0 where they
@@ -124,13 +123,13 @@ impl Grid {
     }
 
     /// How the axes differ from perpendicular ones; `None` where they do not, up to rounding.
-    pub(crate) fn shear(&self) -> Option<&Shear> {
-        self.shear.as_ref()
+    pub(crate) fn shear(&self) -> Option<Shear> {
+        (self.strain() > 0.0).then(|| Shear::of(&self.affine, self.spacing))
     }
 
     /// A vector along the grid's axes, or the perpendicular ones nearest to them, in mm, turned into the world; also where
     /// the axes are left-handed.
-    pub(crate) fn to_world(&self, v: [f64; 3]) -> [f64; 3] {
+    pub(crate) fn in_world(&self, v: [f64; 3]) -> [f64; 3] {
         let axes = self.axes();
         std::array::from_fn(|w| (0..3).map(|a| axes[a][w] * v[a]).sum())
     }
@@ -138,7 +137,7 @@ impl Grid {
     /// These axes, unit vectors of the world.
     pub(crate) fn axes(&self) -> [[f64; 3]; 3] {
         let (affine, spacing) = (&self.affine, self.spacing.mm());
-        match &self.shear {
+        match self.shear() {
             Some(shear) => *shear.axes(),
             None => std::array::from_fn(|a| affine.column(a).map(|step| step / spacing[a])),
         }
