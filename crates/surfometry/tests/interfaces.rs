@@ -33,8 +33,9 @@ fn labels(interface: &Interface) -> [i64; 2] {
     interface.labels.each_ref().map(|group| group.labels()[0])
 }
 
+/// Of labels that meet in a line alone, what is counted may come out below 0, and is null then.
 fn area(interface: &Interface) -> f64 {
-    interface.values.surface_area_mm2.unwrap()
+    interface.values.surface_area_mm2.unwrap_or_default()
 }
 
 /// Errors of area in their standard errors, and whether each is small.
