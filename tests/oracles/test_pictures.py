@@ -287,9 +287,10 @@ def test_a_pdf_is_its_png(tmp_path):
     found, expected = (np.asarray(Image.open(p).convert("RGB")).astype(float) for p in [tmp_path / "drawn.png", png])
     assert expected.shape[1] == round(120 / 25.4 * 144) and np.abs(np.subtract(found.shape, expected.shape)).max() <= 1
     height, width = np.minimum(found.shape, expected.shape)[:2]
-    # Poppler and resvg smooth edges in their own ways.
+    # Poppler's rows count from below, so letters and edges are off by up to half a pixel; elsewhere they are alike.
     smoothed = [ndimage.uniform_filter(p[:height, :width], (7, 7, 1)) for p in [found, expected]]
-    assert np.abs(np.subtract(*smoothed)).max() < 40 and np.abs(np.subtract(*smoothed)).mean() < 1
+    difference = np.abs(np.subtract(*smoothed)).max(axis=2)
+    assert np.quantile(difference, 0.999) < 40 and np.quantile(difference, 0.95) < 15 and difference.mean() < 1
 
 
 def test_a_camera_sees_what_a_turned_object_shows(tmp_path):

@@ -1,35 +1,48 @@
 //! How much of the sky each place of a surface sees.
 //!
-//! By shadow maps: the surface is drawn from directions all around, and a vertex sees those from which nothing
-//! is in front of it. That is the same from every viewpoint, smooth over the surface, and needs no random
-//! numbers. Directions are looked at in parallel and added in their order, so the bits do not depend on the
-//! number of threads.
+//! By shadow maps: points all over the surface are entered into maps of what is nearest, seen from directions all
+//! around, and a vertex sees those directions from which nothing is in front of it. That is the same from every
+//! viewpoint, smooth over the surface, and needs no random numbers. Directions are looked at in parallel and added in
+//! their order, so the bits do not depend on the number of threads.
 
 use rayon::prelude::*;
 
-use super::surface_rendering::{doubled_area, weights};
 use super::view::Basis;
-use crate::surface::{Mesh, cross, dot, unit};
+use crate::surface::{Mesh, cross, dot, length, minus, unit};
 
 /// Directions, evenly spread.
 const DIRECTIONS: usize = 64;
 /// Directions at a time, of which a bit a vertex is kept.
 const TOGETHER: usize = 8;
-/// Texels along the surface's largest extent in a shadow map.
+/// Most texels along the surface's largest extent in a shadow map.
 const TEXELS: f64 = 640.0;
-/// By how many texels a vertex is lifted off its own triangles.
-const LIFT: f64 = 1.5;
+/// By how many texels a vertex is lifted off its own surface: a point's depth stands for the texels beside its own,
+/// up to 2.1 texels away, too.
+const LIFT: f64 = 2.5;
+/// Most parts into which a triangle's sides are divided.
+const MOST_PARTS: f64 = 64.0;
 
 /// Share of the sky above each vertex, by the cosine to its normal, that no part of the surface hides: 1 on a
 /// convex body, little deep in a network. 1 for all without a normal each.
 pub(crate) fn openness(mesh: &Mesh, normals: &[[f64; 3]]) -> Vec<f32> {
-    if normals.len() != mesh.vertices.len() || mesh.triangles.is_empty() {
-        return vec![1.0; mesh.vertices.len()];
-    }
-    let mut seen = vec![[0.0f32; 2]; normals.len()];
+    let vertices = &mesh.vertices;
+    let Some(texel) = texel(mesh).filter(|_| normals.len() == vertices.len()) else {
+        return vec![1.0; vertices.len()];
+    };
+    let points = points(mesh, texel);
+    let lifted: Vec<[f64; 3]> = vertices
+        .iter()
+        .zip(normals)
+        .map(|(vertex, normal)| std::array::from_fn(|i| vertex[i] + LIFT * texel * normal[i]))
+        .collect();
+    let mut seen = vec![[0.0f32; 2]; vertices.len()];
     let directions: Vec<[f64; 3]> = (0..DIRECTIONS).map(direction).collect();
     for some in directions.chunks(TOGETHER) {
-        let lit: Vec<Vec<bool>> = some.par_iter().map(|&toward| lit(mesh, normals, toward)).collect();
+        let lit = |&toward: &[f64; 3]| -> Vec<bool> {
+            let map = ShadowMap::of(&points, toward, texel);
+            lifted.iter().map(|point| map.sees(*point)).collect()
+        };
+        let lit: Vec<Vec<bool>> = some.par_iter().map(lit).collect();
         seen.par_iter_mut().enumerate().for_each(|(vertex, [open, all])| {
             for (toward, lit) in some.iter().zip(&lit) {
                 let cosine = dot(normals[vertex], *toward).max(0.0) as f32;
@@ -41,6 +54,49 @@ pub(crate) fn openness(mesh: &Mesh, normals: &[[f64; 3]]) -> Vec<f32> {
     seen.into_iter().map(|[open, all]| if all > 0.0 { open / all } else { 1.0 }).collect()
 }
 
+/// Corners of the triangles that can be seen.
+fn corners(mesh: &Mesh) -> impl Iterator<Item = [[f64; 3]; 3]> + '_ {
+    mesh.triangles.iter().filter_map(|triangle| {
+        let [a, b, c] = triangle.map(|v| mesh.vertices.get(v as usize).copied());
+        let corners = [a?, b?, c?];
+        corners.iter().flatten().all(|v| v.is_finite()).then_some(corners)
+    })
+}
+
+/// Size of a texel, mm: the triangles' mean side, so that their corners cover most of them. `None` without any.
+fn texel(mesh: &Mesh) -> Option<f64> {
+    let (mut sum, mut count) = (0.0, 0u32);
+    let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
+    for [a, b, c] in corners(mesh) {
+        sum += length(minus(a, b)) + length(minus(b, c)) + length(minus(c, a));
+        count += 3;
+        low = std::array::from_fn(|i| low[i].min(a[i]));
+        high = std::array::from_fn(|i| high[i].max(a[i]));
+    }
+    let texel = (sum / f64::from(count)).max(length(minus(high, low)) / TEXELS);
+    (texel.is_finite() && texel > 0.0).then_some(texel)
+}
+
+/// Points on the surface, no farther apart than a texel: the vertices, and more in triangles that are larger.
+fn points(mesh: &Mesh, texel: f64) -> Vec<[f64; 3]> {
+    let finite = |vertex: &&[f64; 3]| vertex.iter().all(|v| v.is_finite());
+    let mut points: Vec<[f64; 3]> = mesh.vertices.iter().filter(finite).copied().collect();
+    for [a, b, c] in corners(mesh) {
+        let longest = [minus(a, b), minus(b, c), minus(c, a)].map(length).into_iter().fold(0.0, f64::max);
+        let parts = libm::ceil(longest / texel).min(MOST_PARTS) as usize;
+        for i in 0..=parts {
+            for j in 0..=parts - i {
+                // Corners are there already.
+                if parts > 1 && ![i, j, parts - i - j].contains(&parts) {
+                    let [u, v] = [i, j].map(|n| n as f64 / parts as f64);
+                    points.push(std::array::from_fn(|x| a[x] + u * (b[x] - a[x]) + v * (c[x] - a[x])));
+                }
+            }
+        }
+    }
+    points
+}
+
 /// Points of a Fibonacci sphere.
 fn direction(number: usize) -> [f64; 3] {
     let golden = std::f64::consts::PI * (3.0 - libm::sqrt(5.0));
@@ -48,16 +104,6 @@ fn direction(number: usize) -> [f64; 3] {
     let (sin, cos) = libm::sincos(golden * number as f64);
     let across = libm::sqrt(1.0 - z * z);
     [across * cos, across * sin, z]
-}
-
-/// Which vertices are seen from a direction.
-fn lit(mesh: &Mesh, normals: &[[f64; 3]], toward: [f64; 3]) -> Vec<bool> {
-    let map = ShadowMap::of(mesh, toward);
-    let lift = LIFT * map.mm_per_texel;
-    let lifted = |(vertex, normal): (&[f64; 3], &[f64; 3])| {
-        map.sees(std::array::from_fn(|i| vertex[i] + lift * normal[i]))
-    };
-    mesh.vertices.iter().zip(normals).map(lifted).collect()
 }
 
 /// What is nearest to a direction, texel by texel.
@@ -71,60 +117,45 @@ struct ShadowMap {
 }
 
 impl ShadowMap {
-    fn of(mesh: &Mesh, toward: [f64; 3]) -> Self {
+    fn of(points: &[[f64; 3]], toward: [f64; 3], mm_per_texel: f64) -> Self {
         let aside = if toward[0].abs() < 0.5 { [1.0, 0.0, 0.0] } else { [0.0, 1.0, 0.0] };
         let right = unit(cross(aside, toward));
         let basis = Basis { right, up: cross(toward, right), toward };
-        let points: Vec<[f64; 3]> = mesh.vertices.iter().map(|v| basis.coordinates(*v)).collect();
-        let finite = || points.iter().filter(|p| p.iter().all(|v| v.is_finite()));
-        let least = |a: usize| finite().map(|p| p[a]).fold(f64::INFINITY, f64::min);
-        let most = |a: usize| finite().map(|p| p[a]).fold(f64::NEG_INFINITY, f64::max);
-        let corner = [least(0), least(1)];
-        let extent = [most(0) - corner[0], most(1) - corner[1]];
-        let largest = extent[0].max(extent[1]);
-        let mm_per_texel = if largest.is_finite() && largest > 0.0 { largest / TEXELS } else { 1.0 };
-        let size = extent.map(|e| (e.max(0.0) / mm_per_texel) as usize + 1);
-        let mut map =
-            Self { basis, corner, mm_per_texel, size, depth: vec![f32::NEG_INFINITY; size[0] * size[1]] };
-        for triangle in &mesh.triangles {
-            if let [Some(a), Some(b), Some(c)] = triangle.map(|v| points.get(v as usize)) {
-                map.draw([a, b, c].map(|p| map.place(*p)));
-            }
+        let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
+        let seen: Vec<[f64; 3]> = points.iter().map(|point| basis.coordinates(*point)).collect();
+        for [x, y, _] in &seen {
+            low = [low[0].min(*x), low[1].min(*y)];
+            high = [high[0].max(*x), high[1].max(*y)];
         }
+        // A rim of a texel, which has its share of the points beside it.
+        let corner = low.map(|v| v - mm_per_texel);
+        let size = [0, 1].map(|a| ((high[a] - corner[a]) / mm_per_texel) as usize + 2);
+        let depth = vec![f32::NEG_INFINITY; size[0] * size[1]];
+        let mut map = Self { basis, corner, mm_per_texel, size, depth };
+        seen.into_iter().for_each(|point| map.enter(point));
         map
     }
 
-    /// Texels along right and up, and depth.
-    fn place(&self, [x, y, depth]: [f64; 3]) -> [f64; 3] {
-        [(x - self.corner[0]) / self.mm_per_texel, (y - self.corner[1]) / self.mm_per_texel, depth]
+    /// Texels along right and up.
+    fn place(&self, [x, y, _]: [f64; 3]) -> [f64; 2] {
+        [(x - self.corner[0]) / self.mm_per_texel, (y - self.corner[1]) / self.mm_per_texel]
     }
 
-    fn draw(&mut self, corners: [[f64; 3]; 3]) {
-        let area = doubled_area(corners);
-        if area == 0.0 || !area.is_finite() {
-            return;
-        }
-        let covered = |a: usize| {
-            let least = corners.iter().map(|c| c[a]).fold(f64::INFINITY, f64::min);
-            let most = corners.iter().map(|c| c[a]).fold(f64::NEG_INFINITY, f64::max);
-            (least - 0.5).max(0.0) as usize..((most + 0.5).max(0.0) as usize).min(self.size[a])
-        };
-        let (columns, rows) = (covered(0), covered(1));
-        for row in rows {
-            for column in columns.clone() {
-                let shares = weights(corners, [column as f64 + 0.5, row as f64 + 0.5]).map(|w| w / area);
-                if shares.iter().all(|share| *share >= 0.0) {
-                    let depth: f64 = shares.iter().zip(corners).map(|(share, c)| share * c[2]).sum();
-                    let texel = &mut self.depth[row * self.size[0] + column];
-                    *texel = texel.max(depth as f32);
-                }
+    /// A point's depth, in its texel and those around.
+    fn enter(&mut self, point: [f64; 3]) {
+        let [column, row] = self.place(point).map(|v| v as usize);
+        for row in row - 1..=row + 1 {
+            let start = row * self.size[0] + column;
+            for texel in &mut self.depth[start - 1..=start + 1] {
+                *texel = texel.max(point[2] as f32);
             }
         }
     }
 
     /// Whether nothing is before a point.
     fn sees(&self, point: [f64; 3]) -> bool {
-        let [x, y, depth] = self.place(self.basis.coordinates(point));
+        let point = self.basis.coordinates(point);
+        let ([x, y], depth) = (self.place(point), point[2]);
         let inside = |v: f64, count: usize| (v >= 0.0 && v < count as f64).then_some(v as usize);
         match (inside(x, self.size[0]), inside(y, self.size[1])) {
             (Some(column), Some(row)) => f64::from(self.depth[row * self.size[0] + column]) <= depth,

@@ -164,11 +164,12 @@ pub(crate) fn text_width(text: &str, size: f64) -> f64 {
     LETTER * size * text.chars().count() as f64
 }
 
-/// Lines no wider than a width, broken at spaces, and within words where a word is wider (file names).
+/// Lines no wider than a width, broken at spaces (but at none that holds words together), and within words where a word is wider (file names).
 pub(crate) fn wrapped(text: &str, size: f64, width: f64) -> Vec<String> {
     let letters = ((width / (LETTER * size)) as usize).max(1);
     let mut lines: Vec<String> = Vec::new();
-    for word in text.split_whitespace() {
+    let breaks = |c: char| c.is_whitespace() && c != '\u{a0}';
+    for word in text.split(breaks).filter(|word| !word.is_empty()) {
         let characters: Vec<char> = word.chars().collect();
         for piece in characters.chunks(letters) {
             match lines.last_mut() {

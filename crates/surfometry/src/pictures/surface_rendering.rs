@@ -203,13 +203,13 @@ fn covered([a, b, c]: [f64; 3], count: usize) -> (usize, usize) {
     (clamped(libm::ceil(a.min(b).min(c) - 0.5)), clamped(libm::floor(a.max(b).max(c) + 0.5)))
 }
 
-pub(super) fn doubled_area([a, b, c]: [[f64; 3]; 3]) -> f64 {
+fn doubled_area([a, b, c]: [[f64; 3]; 3]) -> f64 {
     (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
 }
 
 /// Doubled areas opposite to each corner: barycentric coordinates up to the triangle's own. An edge shared by
 /// two triangles gives the same number to both up to its sign, so no sample falls between them.
-pub(super) fn weights([a, b, c]: [[f64; 3]; 3], at: [f64; 2]) -> [f64; 3] {
+fn weights([a, b, c]: [[f64; 3]; 3], at: [f64; 2]) -> [f64; 3] {
     let side = |p: [f64; 3], q: [f64; 3]| {
         let (p, q, sign) = if (p[0], p[1]) <= (q[0], q[1]) { (p, q, 1.0) } else { (q, p, -1.0) };
         sign * ((q[0] - p[0]) * (at[1] - p[1]) - (q[1] - p[1]) * (at[0] - p[0]))

@@ -47,8 +47,8 @@ impl Viewpoint {
                 word[..1].to_uppercase() + &word[1..]
             }
             Self::Turned(CameraAngles { azimuth, elevation, roll }) => {
-                let turned = if roll == 0.0 { String::new() } else { format!(", turned {roll}°") };
-                format!("{azimuth}° to the left, {elevation}° above{turned}")
+                let turned = if roll == 0.0 { String::new() } else { format!(", roll {roll}°") };
+                format!("Azimuth {azimuth}°, elevation {elevation}°{turned}")
             }
         }
     }
