@@ -21,7 +21,7 @@ BONE = "ball?radius=12&shift=0.3,0.2,0.1"
 def folder(tmp_path_factory):
     """The files that the README's commands name."""
     place = tmp_path_factory.mktemp("readme")
-    for name in ("bone", "scan", "scan1", "part"):
+    for name in ("bone", "scan", "scan1", "part", "later"):
         surfometry("phantom", BONE, "-o", place / f"{name}.nii.gz")
     (place / "scans").mkdir()
     for number in range(3):
@@ -35,6 +35,12 @@ def folder(tmp_path_factory):
     for name in ("scan2.mha", "big.mha", "vertebrae.nii.gz"):
         sitk.WriteImage(sitk.GetImageFromArray(labels), str(place / name))
     sitk.WriteImage(sitk.GetImageFromArray(np.where(labels == 21, 700, -1000).astype(np.int16)), str(place / "ct.nii.gz"))
+    scan = sitk.ReadImage(str(place / "scan.nii.gz"))
+    z = np.indices(sitk.GetArrayViewFromImage(scan).shape)[0]
+    for name, voxels in (("dose", z.astype(np.float32)), ("zones", (1 + z // 10).astype(np.uint8))):
+        image = sitk.GetImageFromArray(voxels)
+        image.CopyInformation(scan)
+        sitk.WriteImage(image, str(place / f"{name}.nii.gz"))
     import zarr
 
     mask = np.zeros((83, 50, 80), np.uint8)
