@@ -77,14 +77,15 @@ fn texel(mesh: &Mesh) -> Option<f64> {
     (texel.is_finite() && texel > 0.0).then_some(texel)
 }
 
-/// Points on the surface, less than a texel from each other: the middle of each triangle, or of parts of it that are
-/// as small.
+/// Points on the surface, none of which is farther than a texel from one of them: the middle of each triangle, or of
+/// parts of it where it is large. All of a triangle is within its longest side over sqrt 3 of its middle.
 fn points(mesh: &Mesh, texel: f64) -> Vec<[f64; 3]> {
     let mut points = Vec::with_capacity(mesh.triangles.len());
     for [a, b, c] in corners(mesh) {
         let [ab, ac] = [minus(b, a), minus(c, a)];
         let longest = [ab, ac, minus(c, b)].map(length).into_iter().fold(0.0, f64::max);
-        let parts = libm::ceil(longest / texel).clamp(1.0, MOST_PARTS) as usize;
+        let reach = longest / libm::sqrt(3.0);
+        let parts = libm::ceil(reach / texel).clamp(1.0, MOST_PARTS) as usize;
         for (i, j) in (0..parts).flat_map(|i| (0..parts - i).map(move |j| (i, j))) {
             let [u, v] = [i, j].map(|n| (n as f64 + 1.0 / 3.0) / parts as f64);
             points.push(std::array::from_fn(|x| a[x] + u * ab[x] + v * ac[x]));
