@@ -52,7 +52,9 @@ pub fn width(text: &str) -> Result<PictureWidth, WordError> {
             (Some(amount), _) => (amount, PictureWidth::Mm),
             (_, Some(amount)) => (amount, PictureWidth::Pixels),
             _ => {
-                return Err(WordError::new(&format!("`{text}`: write a width in mm or pixels: 85mm, 1200px")));
+                return Err(WordError::new(&format!(
+                    "`{text}`: write a width in mm or pixels: 85mm, 1200px"
+                )));
             }
         };
     super::words::positive(amount).map(of)
