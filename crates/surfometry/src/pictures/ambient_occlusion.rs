@@ -63,35 +63,32 @@ fn corners(mesh: &Mesh) -> impl Iterator<Item = [[f64; 3]; 3]> + '_ {
     })
 }
 
-/// Size of a texel, mm: the triangles' mean side, so that their corners cover most of them. `None` without any.
+/// Size of a texel, mm: the triangles' mean side, so that most are one point each. `None` without any.
 fn texel(mesh: &Mesh) -> Option<f64> {
-    let (mut sum, mut count) = (0.0, 0u32);
+    let (mut sum, mut count) = (0.0, 0u64);
     let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
     for [a, b, c] in corners(mesh) {
         sum += length(minus(a, b)) + length(minus(b, c)) + length(minus(c, a));
         count += 3;
-        low = std::array::from_fn(|i| low[i].min(a[i]));
-        high = std::array::from_fn(|i| high[i].max(a[i]));
+        low = std::array::from_fn(|i| low[i].min(a[i]).min(b[i]).min(c[i]));
+        high = std::array::from_fn(|i| high[i].max(a[i]).max(b[i]).max(c[i]));
     }
-    let texel = (sum / f64::from(count)).max(length(minus(high, low)) / TEXELS);
+    let texel = (sum / count as f64).max(length(minus(high, low)) / TEXELS);
     (texel.is_finite() && texel > 0.0).then_some(texel)
 }
 
-/// Points on the surface, no farther apart than a texel: the vertices, and more in triangles that are larger.
+/// Points on the surface, none of which is farther than a texel from one of them: the middle of each triangle, or of
+/// parts of it where it is large. All of a triangle is within its longest side over sqrt 3 of its middle.
 fn points(mesh: &Mesh, texel: f64) -> Vec<[f64; 3]> {
-    let finite = |vertex: &&[f64; 3]| vertex.iter().all(|v| v.is_finite());
-    let mut points: Vec<[f64; 3]> = mesh.vertices.iter().filter(finite).copied().collect();
+    let mut points = Vec::with_capacity(mesh.triangles.len());
     for [a, b, c] in corners(mesh) {
-        let longest = [minus(a, b), minus(b, c), minus(c, a)].map(length).into_iter().fold(0.0, f64::max);
-        let parts = libm::ceil(longest / texel).min(MOST_PARTS) as usize;
-        for i in 0..=parts {
-            for j in 0..=parts - i {
-                // Corners are there already.
-                if parts > 1 && ![i, j, parts - i - j].contains(&parts) {
-                    let [u, v] = [i, j].map(|n| n as f64 / parts as f64);
-                    points.push(std::array::from_fn(|x| a[x] + u * (b[x] - a[x]) + v * (c[x] - a[x])));
-                }
-            }
+        let [ab, ac] = [minus(b, a), minus(c, a)];
+        let longest = [ab, ac, minus(c, b)].map(length).into_iter().fold(0.0, f64::max);
+        let reach = longest / libm::sqrt(3.0);
+        let parts = libm::ceil(reach / texel).clamp(1.0, MOST_PARTS) as usize;
+        for (i, j) in (0..parts).flat_map(|i| (0..parts - i).map(move |j| (i, j))) {
+            let [u, v] = [i, j].map(|n| (n as f64 + 1.0 / 3.0) / parts as f64);
+            points.push(std::array::from_fn(|x| a[x] + u * ab[x] + v * ac[x]));
         }
     }
     points
@@ -127,9 +124,9 @@ impl ShadowMap {
             low = [low[0].min(*x), low[1].min(*y)];
             high = [high[0].max(*x), high[1].max(*y)];
         }
-        // A rim of a texel, which has its share of the points beside it.
-        let corner = low.map(|v| v - mm_per_texel);
-        let size = [0, 1].map(|a| ((high[a] - corner[a]) / mm_per_texel) as usize + 2);
+        // A rim, which has its share of the points beside it.
+        let corner = low.map(|v| v - 1.5 * mm_per_texel);
+        let size = [0, 1].map(|a| ((high[a] - corner[a]) / mm_per_texel) as usize + 3);
         let depth = vec![f32::NEG_INFINITY; size[0] * size[1]];
         let mut map = Self { basis, corner, mm_per_texel, size, depth };
         seen.into_iter().for_each(|point| map.enter(point));
