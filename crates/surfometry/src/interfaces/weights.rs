@@ -199,7 +199,7 @@ mod tests {
     #[test]
     fn faces_count_alike_and_rims_cancel() {
         for (mm, face, rim) in
-            [([1.0; 3], 0.006, 0.03), ([0.4, 0.4, 1.0], 0.015, 0.08), ([0.3, 0.7, 0.5], 0.015, 0.06)]
+            [([1.0; 3], 0.006, 0.05), ([0.4, 0.4, 1.0], 0.015, 0.08), ([0.3, 0.7, 0.5], 0.015, 0.06)]
         {
             let spacing = Spacing::new(mm).unwrap();
             let weights = PairWeights::new(spacing);

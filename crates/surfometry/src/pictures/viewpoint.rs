@@ -83,7 +83,7 @@ mod tests {
             ([180.0, 0.0, 0.0], View::Posterior),
             ([-90.0, 0.0, 0.0], View::Right),
             ([180.0, 90.0, 0.0], View::Superior),
-            ([0.0, -90.0, 180.0], View::Inferior),
+            ([0.0, -90.0, 0.0], View::Inferior),
         ];
         for ([azimuth, elevation, roll], view) in sides {
             let (found, named) = (angles(azimuth, elevation, roll), view.basis());

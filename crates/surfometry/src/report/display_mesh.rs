@@ -30,13 +30,16 @@ impl DisplayMesh {
             return Self { vertices, triangles: mesh.triangles.clone() };
         }
         let mut edge = (TRIANGLES_OF_CELL * mesh.area() / most.max(1) as f64).sqrt();
-        loop {
+        let largest = mesh.area().sqrt();
+        while edge < largest {
             let clustered = Self::clustered(surface, edge);
             if clustered.triangles.len() <= most {
                 return clustered;
             }
             edge *= LARGER;
         }
+        // So few show nothing.
+        Self::of_used(Vec::new())
     }
 
     fn clustered(surface: &Surface, edge: f64) -> Self {
@@ -120,7 +123,8 @@ mod tests {
         let vertices = few.vertices.iter().map(|&v| surface.mesh.vertices[v as usize]).collect();
         let mesh = Mesh { vertices, triangles: few.triangles };
         let exact = 2.0 * std::f64::consts::PI.powi(2) * 14.0 * 36.0;
-        assert!((mesh.volume() / exact - 1.0).abs() < 0.1, "{}", mesh.volume() / exact);
+        // Its corners lie on the torus, so it lies within: 15 % less where cells are a third of the tube.
+        assert!((0.8..1.0).contains(&(mesh.volume() / exact)), "{}", mesh.volume() / exact);
         let normals = mesh.vertex_normals();
         let along = |(normal, &v): (&[f64; 3], &u32)| {
             crate::surface::dot(*normal, surface.vertices[v as usize].normal)

@@ -56,16 +56,16 @@ mod tests {
     fn the_nearest_is_that_of_a_look_at_all() {
         let number = |i: u32| f64::from(i.wrapping_mul(2_654_435_761) >> 16) / 6_553.6;
         let points: Vec<[f64; 3]> = (0..300).map(|i| [0, 1, 2].map(|a| number(3 * i + a) - 5.0)).collect();
-        let nearest = Nearest::of(&points, 1.5);
+        let nearest = Nearest::of(&points, 0.8);
         let mut found = 0;
         for i in 1_000..1_200 {
             let point = [0, 1, 2].map(|a| number(3 * i + a) - 5.0);
             let squared = |p: &[f64; 3]| dot(minus(*p, point), minus(*p, point));
             let all = (0..300).min_by(|&a, &b| squared(&points[a]).total_cmp(&squared(&points[b]))).unwrap();
-            let expected = (squared(&points[all]) <= 2.25).then_some(all);
+            let expected = (squared(&points[all]) <= 0.64).then_some(all);
             assert_eq!(nearest.to(point), expected);
             found += usize::from(expected.is_some());
         }
-        assert!(found > 100 && found < 200, "{found}");
+        assert!(found > 50 && found < 150, "{found}");
     }
 }
