@@ -97,7 +97,16 @@ fn json_is_the_contract() {
     expected.extend(["recovery", "flags"].map(str::to_owned));
     expected.extend(group("truth", &plain[..6]));
     expected.extend(
-        ["preparation", "curvature_sigma_mm", "input_sha256", "read_seconds", "seconds"].map(str::to_owned),
+        [
+            "preparation",
+            "regions",
+            "interfaces",
+            "curvature_sigma_mm",
+            "input_sha256",
+            "read_seconds",
+            "seconds",
+        ]
+        .map(str::to_owned),
     );
     assert_eq!(keys(record), expected);
     assert_eq!(record["label"], 1);

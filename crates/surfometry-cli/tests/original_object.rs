@@ -66,7 +66,7 @@ fn sweeps_are_drawn() {
     assert!(std::fs::read(&png).unwrap().starts_with(b"\x89PNG"));
     let wrong = run(&[&sweep[..], &["--chart", &file("sweep.jpg")]].concat());
     assert_eq!(wrong.status.code(), Some(2));
-    assert!(text(&wrong.stderr).contains(".png or .svg"));
+    assert!(text(&wrong.stderr).contains(".png, .svg or .pdf"));
 }
 
 /// Any measure by its name, with its bars; and the surface at the first, some and the last value.
