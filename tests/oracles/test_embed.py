@@ -1,5 +1,6 @@
 """`embed` against SciPy's Gaussian filter."""
 
+import itertools
 import nibabel as nib
 import numpy as np
 from conftest import surfometry
@@ -41,7 +42,7 @@ def embedded(tmp_path, labels, *options):
 
 def table(shown):
     """The cells of the objects' rows, without the flags below them."""
-    return [line.split() for line in shown.splitlines()[2:] if not line.startswith("  !")]
+    return [line.split() for line in itertools.takewhile(lambda line: not line.startswith("  !"), shown.splitlines()[2:])]
 
 
 def differing(found, expected):
