@@ -54,7 +54,12 @@ mod tests {
 
     #[test]
     fn the_nearest_is_that_of_a_look_at_all() {
-        let number = |i: u32| f64::from(i.wrapping_mul(2_654_435_761) >> 16) / 6_553.6;
+        // Numbers in a row must not lie on lines.
+        let number = |i: u32| {
+            let mixed = i.wrapping_mul(0x9e37_79b9);
+            let mixed = (mixed ^ (mixed >> 15)).wrapping_mul(0x85eb_ca6b);
+            f64::from((mixed ^ (mixed >> 13)) >> 16) / 6_553.6
+        };
         let points: Vec<[f64; 3]> = (0..300).map(|i| [0, 1, 2].map(|a| number(3 * i + a) - 5.0)).collect();
         let nearest = Nearest::of(&points, 0.8);
         let mut found = 0;
