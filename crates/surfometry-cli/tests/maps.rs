@@ -332,7 +332,7 @@ fn surfaces_are_compared_with_later_ones() {
     let distance = |name: &str| against["distance_mm"][name].as_f64().unwrap();
     assert!((distance("mean") - 1.5).abs() < 0.04, "{against}");
     // Both balls stand at their shifts, so one has moved by 0.2 to 0.3 mm against the other along each axis.
-    assert!(distance("rms") > 1.5 && distance("share_beyond_noise") > 0.99, "{against}");
+    assert!(distance("rms") > 1.48 && distance("share_beyond_noise") > 0.99, "{against}");
     assert!((0.01..0.2).contains(&distance("noise_rms")), "{against}");
     assert!(against["hausdorff_95_mm"].as_f64().unwrap() > 1.6, "{against}");
     let named = |d: &Value| d["name"] == "mean_curvature_change_per_mm";
