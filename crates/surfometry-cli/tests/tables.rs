@@ -66,7 +66,7 @@ fn one_object_alone_and_details_stand_in_full() {
     let all = run("80", &["measure", TORUS, BALL, "--details", "--quiet"]);
     fits(&alone, 80);
     fits(&all, 80);
-    for row in ["original", "s.e.", "blurred", "voxels", "exact"] {
+    for row in ["original", "s.e.", "voxels", "exact"] {
         let count = |table: &str| {
             table.lines().filter(|line| line.trim_start().starts_with(&format!("{row} "))).count()
         };
@@ -81,7 +81,7 @@ fn what_was_written_is_said() {
         (&["measure", BALL, TORUS, "-o", "out.csv"][..], "wrote out.csv: 2 results"),
         (&["measure", BALL, "-o", "one.json"], "wrote one.json: 1 result\n"),
         (&["measure", BALL, "missing.nii", "-o", "out.jsonl"], "wrote out.jsonl: 1 result, 1 failure"),
-        (&["reference", BALL, "--method", "voxel-counting", "-o", "r.csv"], "wrote r.csv: 1 result\n"),
+        (&["reference", BALL, "--method", "triangulation", "-o", "r.csv"], "wrote r.csv: 1 result\n"),
     ] {
         let run = |more: &[&str]| {
             let mut program = Command::new(env!("CARGO_BIN_EXE_surfometry"));
