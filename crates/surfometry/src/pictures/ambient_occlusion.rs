@@ -129,7 +129,9 @@ impl ShadowMap {
         let size = [0, 1].map(|a| ((high[a] - corner[a]) / mm_per_texel) as usize + 3);
         let depth = vec![f32::NEG_INFINITY; size[0] * size[1]];
         let mut map = Self { basis, corner, mm_per_texel, size, depth };
-        seen.into_iter().for_each(|point| map.enter(point));
+        for point in seen {
+            map.enter(point);
+        }
         map
     }
 
