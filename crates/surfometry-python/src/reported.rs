@@ -12,6 +12,7 @@ use surfometry::report::{Provenance, Report, ReportPart, ReportTask, render};
 use surfometry::runs::{Item, Opened, RunError};
 
 /// Writes a page of one input; whether all of it could be shown.
+#[expect(clippy::too_many_arguments, reason = "what a page says of itself")]
 #[pyfunction]
 pub(crate) fn report(
     py: Python,
