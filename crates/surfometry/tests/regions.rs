@@ -45,8 +45,11 @@ fn four(values: &SurfaceValues) -> [Option<f64>; 4] {
     ]
 }
 
+/// The numbers of a part.
+type OfPart = fn(&RegionPart) -> &SurfaceValues;
+
 fn assert_adds_up(parts: &[RegionPart], measured: &Measured) {
-    let pick: [(fn(&RegionPart) -> &SurfaceValues, &SurfaceValues); 2] =
+    let pick: [(OfPart, &SurfaceValues); 2] =
         [(|part| &part.values, &measured.values), (|part| &part.blurred, &measured.blurred.values)];
     for (of, whole) in pick {
         for (n, whole) in four(whole).into_iter().enumerate() {
