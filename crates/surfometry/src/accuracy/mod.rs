@@ -33,7 +33,9 @@ pub use scale::{
 };
 pub use scale_choice::local_scales;
 pub(crate) use scale_choice::{largest_agreeing, noise_factor, vertex_noise};
-pub(crate) use shear::{shear_errors, sheared, taken_as_perpendicular};
+#[cfg(feature = "io")]
+pub(crate) use shear::taken_as_perpendicular;
+pub(crate) use shear::{shear_errors, sheared};
 pub use soft_edges::SoftEdges;
 pub use terraces::Terraces;
 pub use uncertainty::{ErrorModel, IntegralErrors};

@@ -25,6 +25,7 @@ pub(crate) fn sheared(grid: &Grid) -> Option<Flag> {
 }
 
 /// The same where numbers are taken as if they were perpendicular.
+#[cfg(feature = "io")]
 pub(crate) fn taken_as_perpendicular(grid: &Grid) -> Option<Flag> {
     flag(
         grid,
