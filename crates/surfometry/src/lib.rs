@@ -49,6 +49,7 @@ pub mod reference_methods;
 pub mod report;
 #[cfg(feature = "io")]
 pub mod runs;
+mod space;
 pub mod statistics;
 pub mod surface;
 pub mod tiling;

@@ -65,10 +65,11 @@ fn rows(record: &Record, explain: bool) -> Vec<Vec<String>> {
         rows.extend(m.compensation.iter().flat_map(term_rows));
         rows.extend(count_row(m));
     }
-    let [area, total, average] = [String::new(), String::new(), String::new()];
-    let voxels = digits(m.voxels.volume_mm3);
-    let chi = m.topology.euler_characteristic_voxels_26.to_string();
-    rows.push(vec!["voxels".to_owned(), voxels, area, total, average, chi]);
+    let counted = SurfaceValues { volume_mm3: Some(m.voxels.volume_mm3), ..SurfaceValues::default() };
+    let mut voxels = vec!["voxels".to_owned()];
+    voxels.extend(sizes(&counted).map(|size| size.map_or_else(String::new, digits)));
+    voxels.push(m.topology.euler_characteristic_voxels_26.to_string());
+    rows.push(voxels);
     if let Some(truth) = record.truth {
         let sizes =
             [truth.volume, truth.surface_area, truth.total_mean_curvature, truth.average_mean_curvature];

@@ -1,11 +1,10 @@
 //! A line an object, for runs of many.
 
 use super::numbers::{digits_or_dash, with_error};
-use super::raised::{in_words, is_shown};
+use super::raised::{Raised, RaisedFlags};
 use super::width::{shortened, width, wrapped};
 use std::collections::BTreeSet;
-use std::fmt::Write;
-use surfometry::accuracy::{Flag, FlagCode};
+use surfometry::accuracy::Flag;
 use surfometry::measurement::{DescribedSurface, Measured};
 use surfometry::runs::Record;
 
@@ -50,17 +49,8 @@ const FLAGS: usize = 7;
 /// Lines of a run's objects, and what their flags' letters stand for.
 #[derive(Default)]
 pub(crate) struct Lines {
-    raised: Vec<Raised>,
+    raised: RaisedFlags,
     has_heading: bool,
-}
-
-/// A code that some object has.
-struct Raised {
-    code: FlagCode,
-    /// The first object's message, and whether all have it.
-    message: String,
-    same: bool,
-    objects: usize,
 }
 
 impl Lines {
@@ -71,27 +61,13 @@ impl Lines {
         let m = &record.measured;
         let numbers = columns().map(|column| format!(" {:>1$}", (column.cell)(m), column.width));
         let numbers = numbers.collect::<Vec<_>>().concat();
-        let text = format!("{}{numbers}  {}", named(name), self.letters(&m.flags));
+        let text = format!("{}{numbers}  {}", named(name), self.letters(name, &m.flags));
         format!("{heading}{}\n", text.trim_end())
     }
 
-    fn letters(&mut self, flags: &[Flag]) -> String {
-        let numbers: BTreeSet<usize> =
-            flags.iter().filter(|flag| is_shown(flag)).map(|flag| self.number(flag)).collect();
+    fn letters(&mut self, name: &str, flags: &[Flag]) -> String {
+        let numbers: BTreeSet<usize> = flags.iter().filter_map(|flag| self.raised.add(name, flag)).collect();
         numbers.into_iter().map(letter).collect()
-    }
-
-    fn number(&mut self, flag: &Flag) -> usize {
-        let known = self.raised.iter().position(|raised| raised.code == flag.code);
-        let number = known.unwrap_or_else(|| {
-            let (code, message) = (flag.code, in_words(flag));
-            self.raised.push(Raised { code, message, same: true, objects: 0 });
-            self.raised.len() - 1
-        });
-        let raised = &mut self.raised[number];
-        raised.objects += 1;
-        raised.same &= raised.message == in_words(flag);
-        number
     }
 
     /// Whether there is any.
@@ -101,15 +77,16 @@ impl Lines {
 
     /// What stands below the lines.
     pub(crate) fn ending(&self) -> String {
-        let mut text = String::new();
-        for (number, Raised { code, message, same, objects }) in self.raised.iter().enumerate() {
+        let explained = |(number, raised): (usize, &Raised)| {
             let first = format!("  {} ", letter(number));
-            let many = if *objects == 1 { "1 object".to_owned() } else { format!("{objects} objects") };
-            let others = if *same { "" } else { "for the first: " };
-            write!(text, "{}", wrapped(&format!("{code}, {many}: {others}{message}"), &first, "    "))
-                .expect("writing to a string");
-        }
-        text
+            let many = if raised.objects == 1 {
+                "1 object".to_owned()
+            } else {
+                format!("{} objects", raised.objects)
+            };
+            wrapped(&format!("{}, {many}: {}", raised.code, raised.in_words()), &first, "    ")
+        };
+        self.raised.iter().enumerate().map(explained).collect()
     }
 }
 

@@ -9,6 +9,68 @@ use surfometry::runs::Record;
 /// Labels that a warning names before it only counts them.
 const SHOWN_LABELS: usize = 12;
 
+/// The flags of some objects by code, in the order in which they were first raised.
+#[derive(Default)]
+pub(crate) struct RaisedFlags(Vec<Raised>);
+
+/// A code that some objects have.
+pub(crate) struct Raised {
+    pub(crate) code: FlagCode,
+    /// How many have it.
+    pub(crate) objects: usize,
+    /// Of the first ones.
+    names: Vec<String>,
+    /// The first one's message, and whether all have it.
+    message: String,
+    same: bool,
+}
+
+impl RaisedFlags {
+    /// Adds a flag of an object; the number of its code, if it is one for people, who see a dash where a number is missing.
+    pub(crate) fn add(&mut self, name: &str, flag: &Flag) -> Option<usize> {
+        if flag.code == FlagCode::NotComputed {
+            return None;
+        }
+        let known = self.0.iter().position(|raised| raised.code == flag.code);
+        let number = known.unwrap_or_else(|| {
+            self.0.push(Raised::first(flag));
+            self.0.len() - 1
+        });
+        let raised = &mut self.0[number];
+        raised.objects += 1;
+        raised.same &= raised.message == flag.message;
+        if raised.names.len() < SHOWN_LABELS {
+            raised.names.push(name.to_owned());
+        }
+        Some(number)
+    }
+
+    pub(crate) fn iter(&self) -> impl Iterator<Item = &Raised> {
+        self.0.iter()
+    }
+}
+
+impl Raised {
+    fn first(flag: &Flag) -> Self {
+        Self { code: flag.code, objects: 0, names: Vec::new(), message: flag.message.clone(), same: true }
+    }
+
+    /// The message, whose it is, and the option that tells more.
+    pub(crate) fn in_words(&self) -> String {
+        let others = if self.same { "" } else { "for the first: " };
+        let how = if self.message.ends_with(UNEXPLAINED) { " (--explain)" } else { "" };
+        format!("{others}{}{how}", self.message)
+    }
+
+    fn labels(&self) -> String {
+        let shown = self.names.join(", ");
+        match self.objects - self.names.len() {
+            0 => shown,
+            more => format!("{shown} and {more} more"),
+        }
+    }
+}
+
 /// Each warning once, with the labels it is about. What the table does not show needs no `not-computed`.
 pub(crate) fn flags_text(records: &[&Record]) -> String {
     let of_record = |record: &&'_ Record| {
@@ -19,38 +81,13 @@ pub(crate) fn flags_text(records: &[&Record]) -> String {
 
 /// Flags of some objects, each with the name of the one that it is of: a paragraph a code.
 pub(crate) fn raised_text(all: &[(String, Flag)], objects: usize) -> String {
-    let mut codes: Vec<FlagCode> = Vec::new();
-    for (_, flag) in all {
-        if is_shown(flag) && !codes.contains(&flag.code) {
-            codes.push(flag.code);
-        }
+    let mut flags = RaisedFlags::default();
+    for (name, flag) in all {
+        flags.add(name, flag);
     }
-    let paragraph = |code: FlagCode| {
-        let raised: Vec<&(String, Flag)> = all.iter().filter(|(_, flag)| flag.code == code).collect();
-        let about = if objects == 1 { String::new() } else { format!(" (label {})", shown_labels(&raised)) };
-        let same = raised.iter().all(|(_, flag)| flag.message == raised[0].1.message);
-        let others = if same { "" } else { "for the first: " };
-        wrapped(&format!("{code}{about}: {others}{}", in_words(&raised[0].1)), "  ! ", "    ")
+    let paragraph = |raised: &Raised| {
+        let about = if objects == 1 { String::new() } else { format!(" (label {})", raised.labels()) };
+        wrapped(&format!("{}{about}: {}", raised.code, raised.in_words()), "  ! ", "    ")
     };
-    codes.into_iter().map(paragraph).collect()
-}
-
-/// Whether a flag is for people, who see a dash where a number is missing.
-pub(crate) fn is_shown(flag: &Flag) -> bool {
-    flag.code != FlagCode::NotComputed
-}
-
-/// A flag's message, and the option that tells more.
-pub(crate) fn in_words(flag: &Flag) -> String {
-    let how = if flag.message.ends_with(UNEXPLAINED) { " (--explain)" } else { "" };
-    format!("{}{how}", flag.message)
-}
-
-fn shown_labels(raised: &[&(String, Flag)]) -> String {
-    let labels = raised.iter().map(|(name, _)| name.as_str());
-    let shown = labels.take(SHOWN_LABELS).collect::<Vec<_>>().join(", ");
-    match raised.len().saturating_sub(SHOWN_LABELS) {
-        0 => shown,
-        more => format!("{shown} and {more} more"),
-    }
+    flags.iter().map(paragraph).collect()
 }

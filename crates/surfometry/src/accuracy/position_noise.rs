@@ -1,6 +1,7 @@
 //! How far the surface of a mask's blur is off, by where its voxels happen to lie.
 
 use super::terraces::{inverse_fourth_powers, is_primitive};
+use crate::space::dot;
 use crate::volume::Grid;
 use std::f64::consts::PI;
 
@@ -43,7 +44,7 @@ impl PositionNoise {
             std::array::from_fn(|w| (0..3).map(|a| index[a] as f64 * reciprocal[a][w]).sum())
         };
         let frequencies: Vec<[f64; 3]> = of_half.map(in_world).collect();
-        let known: f64 = frequencies.iter().map(|f| 2.0 * OF_MULTIPLES / square(*f).powi(2)).sum();
+        let known: f64 = frequencies.iter().map(|f| 2.0 * OF_MULTIPLES / dot(*f, *f).powi(2)).sum();
         let others = (inverse_fourth_powers(grid.spacing()) - known).max(0.0);
         Self { frequencies, others, sigma, is_corrected }
     }
@@ -54,8 +55,8 @@ impl PositionNoise {
         let sigma = sigma.unwrap_or(self.sigma);
         let phase = 2.0 * PI * sigma;
         let of_wave = |frequency: &[f64; 3]| {
-            let square = square(*frequency);
-            let across: f64 = (0..3).map(|w| frequency[w] * normal[w]).sum();
+            let square = dot(*frequency, *frequency);
+            let across = dot(*frequency, normal);
             let along = phase * (square - across * across).max(0.0).sqrt();
             let left = (1..=MULTIPLES).map(|n| (f64::from(n), f64::from(n) * along));
             let left = left.take_while(|(_, phase)| *phase < GONE);
@@ -77,10 +78,6 @@ impl PositionNoise {
         // The corrected blur's two terms, of which the wider weighs -1 on an edge; and a wave's shift by its curvature.
         if self.is_corrected { (2.0 - blurred) * blurred } else { (1.0 + half_square) * blurred }
     }
-}
-
-fn square(v: [f64; 3]) -> f64 {
-    v.iter().map(|c| c * c).sum()
 }
 
 #[cfg(test)]

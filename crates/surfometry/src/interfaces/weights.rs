@@ -1,6 +1,7 @@
 //! Weights of displacements that make areas of counts.
 
 use crate::local_geometry::solved;
+use crate::space::{dot, half_sphere};
 use crate::volume::Spacing;
 use std::collections::BTreeMap;
 use std::f64::consts::{PI, TAU};
@@ -82,7 +83,7 @@ impl PairWeights {
     pub(crate) fn loss_of_layer(&self, thickness: f64) -> f64 {
         let step = 0.1 * self.spacing.geometric_mean();
         let steps = ((self.longest - thickness).max(0.0) / step) as usize;
-        let normals = fibonacci(24);
+        let normals: Vec<[f64; 3]> = half_sphere(24).collect();
         let beyond = |n: [f64; 3], t: f64| self.sum(|d| (dot(d, n).abs() - t).max(0.0));
         let off = |k: usize| {
             let t = thickness + k as f64 * step;
@@ -111,7 +112,7 @@ impl PairWeights {
                 line[row.len()] += row[n] * weight * wanted;
             }
         };
-        let normals = fibonacci(DIRECTIONS);
+        let normals: Vec<[f64; 3]> = half_sphere(DIRECTIONS).collect();
         for (n, &normal) in normals.iter().enumerate() {
             let other = normals[(7 * n + 3) % DIRECTIONS];
             let (along, across) = frame(normal, n as f64);
@@ -164,18 +165,6 @@ fn displacements(spacing: Spacing) -> (Vec<[i64; 3]>, f64) {
     (all, longest)
 }
 
-/// Directions that are spread evenly over half of the sphere.
-fn fibonacci(count: usize) -> Vec<[f64; 3]> {
-    let golden = PI * (3.0 - 5f64.sqrt());
-    let at = |n: usize| {
-        let z = (n as f64 + 0.5) / count as f64;
-        let (sin, cos) = libm::sincos(golden * n as f64);
-        let r = libm::sqrt(1.0 - z * z);
-        [r * cos, r * sin, z]
-    };
-    (0..count).map(at).collect()
-}
-
 /// Two directions across a normal and each other, turned about it.
 fn frame(normal: [f64; 3], turn: f64) -> ([f64; 3], [f64; 3]) {
     let [x, y, z] = normal;
@@ -185,10 +174,6 @@ fn frame(normal: [f64; 3], turn: f64) -> ([f64; 3], [f64; 3]) {
     let (sin, cos) = libm::sincos(TAU * (turn * 0.618_034).fract());
     let along = std::array::from_fn(|i| cos * u[i] + sin * v[i]);
     (along, std::array::from_fn(|i| cos * v[i] - sin * u[i]))
-}
-
-fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
 #[cfg(test)]
@@ -203,7 +188,7 @@ mod tests {
         {
             let spacing = Spacing::new(mm).unwrap();
             let weights = PairWeights::new(spacing);
-            for (n, normal) in fibonacci(97).into_iter().enumerate() {
+            for (n, normal) in half_sphere(97).enumerate() {
                 let (along, _) = frame(normal, 0.37 * n as f64);
                 let area = weights.sum(|d| dot(d, normal).abs());
                 assert!((area - 1.0).abs() < face, "{mm:?} {normal:?}: {area}");

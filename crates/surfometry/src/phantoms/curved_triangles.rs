@@ -6,7 +6,7 @@
 
 use super::{Shape, Truth};
 use crate::local_geometry::Curvature;
-use crate::surface::{cross, dot};
+use crate::space::{cross, dot};
 use rayon::prelude::*;
 use std::f64::consts::TAU;
 

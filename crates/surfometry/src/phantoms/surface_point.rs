@@ -3,7 +3,7 @@
 use super::Phantom;
 use super::curved_triangles::Lattice;
 use crate::local_geometry::Curvature;
-use crate::surface::{dot, minus, unit};
+use crate::space::{dot, minus, unit};
 
 /// Where the exact surface is near a point of the world, and how it is curved there.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -8,7 +8,8 @@
 use rayon::prelude::*;
 
 use super::view::Basis;
-use crate::surface::{Mesh, cross, dot, length, minus, unit};
+use crate::space::{cross, dot, length, minus, sphere, unit};
+use crate::surface::Mesh;
 
 /// Directions, evenly spread.
 const DIRECTIONS: usize = 64;
@@ -36,7 +37,7 @@ pub(crate) fn openness(mesh: &Mesh, normals: &[[f64; 3]]) -> Vec<f32> {
         .map(|(vertex, normal)| std::array::from_fn(|i| vertex[i] + LIFT * texel * normal[i]))
         .collect();
     let mut seen = vec![[0.0f32; 2]; vertices.len()];
-    let directions: Vec<[f64; 3]> = (0..DIRECTIONS).map(direction).collect();
+    let directions: Vec<[f64; 3]> = sphere(DIRECTIONS).collect();
     for some in directions.chunks(TOGETHER) {
         let lit = |&toward: &[f64; 3]| -> Vec<bool> {
             let map = ShadowMap::of(&points, toward, texel);
@@ -92,15 +93,6 @@ fn points(mesh: &Mesh, texel: f64) -> Vec<[f64; 3]> {
         }
     }
     points
-}
-
-/// Points of a Fibonacci sphere.
-fn direction(number: usize) -> [f64; 3] {
-    let golden = std::f64::consts::PI * (3.0 - libm::sqrt(5.0));
-    let z = 1.0 - (2 * number + 1) as f64 / DIRECTIONS as f64;
-    let (sin, cos) = libm::sincos(golden * number as f64);
-    let across = libm::sqrt(1.0 - z * z);
-    [across * cos, across * sin, z]
 }
 
 /// What is nearest to a direction, texel by texel.

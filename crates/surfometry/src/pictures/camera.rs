@@ -2,7 +2,7 @@
 
 use super::view::Basis;
 use super::viewpoint::Viewpoint;
-use crate::surface::{dot, minus};
+use crate::space::{dot, minus};
 
 /// A parallel projection: lengths across the line of sight are true everywhere in the picture.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -10,7 +10,8 @@ use rayon::prelude::*;
 use super::camera::Camera;
 use super::raster::{Background, Light, LinearTable, Raster};
 use super::shading::{brightness, dimmed};
-use crate::surface::{Mesh, cross, minus};
+use crate::space::{cross, minus};
+use crate::surface::Mesh;
 
 /// Samples along each side of a pixel.
 const SAMPLES: usize = 3;

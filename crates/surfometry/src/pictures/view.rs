@@ -1,7 +1,7 @@
 //! Where the viewer stands.
 
 use crate::choice::choices;
-use crate::surface::{cross, dot, unit};
+use crate::space::{cross, dot, unit};
 
 /// A side from which an object is looked at, named by where the viewer stands. World axes are RAS.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]

@@ -2,7 +2,7 @@
 
 use super::view::{Basis, View};
 use crate::Choice;
-use crate::surface::cross;
+use crate::space::cross;
 
 /// Where the viewer stands: at a named side, or anywhere.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -69,7 +69,7 @@ impl CameraAngles {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::surface::{dot, minus};
+    use crate::space::{dot, minus};
 
     fn angles(azimuth: f64, elevation: f64, roll: f64) -> Basis {
         Viewpoint::Turned(CameraAngles { azimuth, elevation, roll }).basis()

@@ -2,7 +2,7 @@
 
 use super::directions::shares;
 use super::{Prepared, ReferenceMethod, ReferenceValues};
-use crate::surface::{cross, dot, length, unit};
+use crate::space::{cross, dot, length, unit};
 use crate::volume::{Mask, Spacing};
 use rayon::prelude::*;
 use std::f64::consts::PI;

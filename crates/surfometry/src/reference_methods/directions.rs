@@ -1,17 +1,9 @@
 //! Directions of a lattice and their shares of the sphere.
 
+use crate::space::half_sphere;
+
 /// Points of a sphere that shares are counted on.
 const POINTS: usize = 100_000;
-
-/// Evenly spread directions of lines, which have no sense: half of a Fibonacci sphere.
-pub(super) fn half_sphere(count: usize) -> impl Iterator<Item = [f64; 3]> {
-    let golden = std::f64::consts::PI * (3.0 - 5f64.sqrt());
-    (0..count).map(move |n| {
-        let z = (n as f64 + 0.5) / count as f64;
-        let (radius, angle) = ((1.0 - z * z).sqrt(), golden * n as f64);
-        [radius * libm::cos(angle), radius * libm::sin(angle), z]
-    })
-}
 
 /// Shares of the sphere, by which of the lines along unit vectors is nearest: they add up to 1. To about
 /// 1e-4.
@@ -31,7 +23,7 @@ pub(super) fn shares(directions: &[[f64; 3]]) -> Vec<f64> {
 mod tests {
     use super::super::crofton::STEPS;
     use super::*;
-    use crate::surface::unit;
+    use crate::space::unit;
 
     /// Of the cubic lattice: Ohser and Mücklich (2000), 0.0458, 0.0370 and 0.0352 of each of 26 directions.
     #[test]

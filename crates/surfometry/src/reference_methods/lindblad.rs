@@ -1,9 +1,8 @@
 //! Weights of local configurations (Lindblad 2005).
 
-use super::directions::half_sphere;
 use super::{Prepared, ReferenceMethod, ReferenceValues};
 use crate::local_geometry::solved;
-use crate::surface::dot;
+use crate::space::{dot, half_sphere};
 use crate::volume::{Mask, Spacing};
 use rayon::prelude::*;
 

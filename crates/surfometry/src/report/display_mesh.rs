@@ -4,7 +4,8 @@
 //! what is shown are vertices of the surface with their own values, and both sides of a thin wall stay apart. Of
 //! crates, `meshopt` is C++, and others keep no vertices.
 
-use crate::surface::{Surface, minus};
+use crate::space::minus;
+use crate::surface::Surface;
 use rayon::prelude::*;
 
 /// Some of a surface's vertices, and triangles between them.
@@ -126,9 +127,8 @@ mod tests {
         // Its corners lie on the torus, so it lies within: 15 % less where cells are a third of the tube.
         assert!((0.8..1.0).contains(&(mesh.volume() / exact)), "{}", mesh.volume() / exact);
         let normals = mesh.vertex_normals();
-        let along = |(normal, &v): (&[f64; 3], &u32)| {
-            crate::surface::dot(*normal, surface.vertices[v as usize].normal)
-        };
+        let along =
+            |(normal, &v): (&[f64; 3], &u32)| crate::space::dot(*normal, surface.vertices[v as usize].normal);
         let turned = normals.iter().zip(&few.vertices).filter(|pair| along(*pair) < 0.5).count();
         assert!(turned * 50 < normals.len(), "{turned} of {}", normals.len());
     }

@@ -1,56 +1,32 @@
 //! The vertex of a surface that is nearest to a point.
 
-use crate::surface::{dot, minus};
-use std::collections::HashMap;
+use rstar::primitives::GeomWithData;
+use rstar::{PointDistance, RTree};
 
-/// Points in cells as wide as one looks.
-pub(super) struct Nearest<'a> {
-    points: &'a [[f64; 3]],
+/// Points with their numbers.
+pub(super) struct Nearest {
+    points: RTree<GeomWithData<[f64; 3], usize>>,
     reach: f64,
-    /// Numbers of the points of each cell, as ranges of `order`.
-    cells: HashMap<[i64; 3], std::ops::Range<usize>>,
-    order: Vec<u32>,
 }
 
-impl<'a> Nearest<'a> {
+impl Nearest {
     /// Among points, looking no further than `reach`, in their unit.
-    pub(super) fn of(points: &'a [[f64; 3]], reach: f64) -> Self {
-        let mut order: Vec<u32> = (0..points.len() as u32).collect();
-        let cell = |number: u32| cell_of(points[number as usize], reach);
-        order.sort_by_cached_key(|&number| cell(number));
-        let mut cells = HashMap::new();
-        let mut start = 0;
-        for same in order.chunk_by(|&a, &b| cell(a) == cell(b)) {
-            cells.insert(cell(same[0]), start..start + same.len());
-            start += same.len();
-        }
-        Self { points, reach, cells, order }
+    pub(super) fn of(points: &[[f64; 3]], reach: f64) -> Self {
+        let numbered = points.iter().enumerate().map(|(number, &point)| GeomWithData::new(point, number));
+        Self { points: RTree::bulk_load(numbered.collect()), reach }
     }
 
-    /// The number of the nearest, the first of equals; `None` where none is within reach.
+    /// The number of the nearest; `None` where none is within reach.
     pub(super) fn to(&self, point: [f64; 3]) -> Option<usize> {
-        let [x, y, z] = cell_of(point, self.reach);
-        let around =
-            (-1..=1).flat_map(|k| (-1..=1).flat_map(move |j| (-1..=1).map(move |i| [x + i, y + j, z + k])));
-        let members =
-            around.filter_map(|cell| self.cells.get(&cell)).flat_map(|range| &self.order[range.clone()]);
-        let squared = |number: u32| {
-            let away = minus(self.points[number as usize], point);
-            dot(away, away)
-        };
-        let pairs = members.map(|&number| (squared(number), number));
-        let nearest = pairs.min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)))?;
-        (nearest.0 <= self.reach * self.reach).then_some(nearest.1 as usize)
+        let nearest = self.points.nearest_neighbor(point)?;
+        (nearest.distance_2(&point) <= self.reach * self.reach).then_some(nearest.data)
     }
-}
-
-fn cell_of(point: [f64; 3], edge: f64) -> [i64; 3] {
-    point.map(|v| libm::floor(v / edge) as i64)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::space::{dot, minus};
 
     #[test]
     fn the_nearest_is_that_of_a_look_at_all() {

@@ -1,17 +1,15 @@
 //! A later image of the same objects, with whose surfaces those of a run are compared.
 
+use super::beside::beside;
 use super::called::with_name;
 use super::fingerprint::Fingerprint;
-use super::reading::{Watched, field};
+use super::reading::Voxels;
 use super::{InputObject, Opened, Plan, RunError};
 use crate::Control;
 use crate::inputs::open;
-use crate::measurement::{EmbeddingKind, Object};
+use crate::measurement::Object;
 use crate::surface::{Placed, Surface, SurfaceChange};
-use crate::volume::{
-    FieldImage, LabelGroup, LabelImage, LabelSelection, LabelTable, Mask, ProbabilityImage, Segments,
-    Selected,
-};
+use crate::volume::{LabelGroup, LabelImage, LabelSelection, LabelTable, Mask, Segments, Selected};
 use serde::Serialize;
 use std::sync::Arc;
 
@@ -34,15 +32,10 @@ use std::sync::Arc;
 #[derive(Debug)]
 pub struct Against {
     name: String,
-    content: Content,
+    voxels: Voxels,
+    segments: Option<Segments>,
+    table: LabelTable,
     fingerprint: Arc<Fingerprint>,
-}
-
-#[derive(Debug)]
-enum Content {
-    Labels { image: Box<LabelImage>, segments: Option<Segments>, table: LabelTable },
-    Probability(Arc<ProbabilityImage>),
-    Field(Arc<FieldImage>),
 }
 
 /// How an object's surface has changed.
@@ -73,8 +66,14 @@ impl Against {
     /// [`RunError::Beside`].
     pub fn read(input: &Opened, plan: &Plan) -> Result<Self, RunError> {
         input.begin_hashing();
-        let content = Content::of(input, plan).map_err(|error| told_of(input.name, error))?;
-        Ok(Self { name: input.name.to_owned(), content, fingerprint: Arc::clone(&input.fingerprint) })
+        let voxels = Voxels::of(input, plan.measurement.embedding);
+        Ok(Self {
+            name: input.name.to_owned(),
+            voxels: voxels.map_err(|error| told_of(input.name, error))?,
+            segments: input.source.segments(),
+            table: input.source.label_table(),
+            fingerprint: Arc::clone(&input.fingerprint),
+        })
     }
 
     /// Compares the surface of an object with that of the later one of the same label, and keeps what there is at each vertex.
@@ -93,8 +92,10 @@ impl Against {
         let noise = [first.local().position_noise(), later.position_noise()];
         let here = Placed { surface: first.surface(), noise: noise[0].as_ref() };
         let there = Placed { surface: &surface, noise: noise[1].as_ref() };
-        let both = Surface::changes_to(here, there).zip(Surface::changes_to(there, here));
-        let (changes, from_later) = both.ok_or(RunError::NoSurface)?;
+        let changes = Surface::changes_to(here, there).ok_or(RunError::NoSurface)?;
+        // Of the way back only distances are wanted.
+        let [here, there] = [here, there].map(|placed| Placed { noise: None, ..placed });
+        let from_later = Surface::changes_to(there, here).ok_or(RunError::NoSurface)?;
         let first = first.surface_mut().ok_or(RunError::NoSurface)?;
         first.set_changes(&changes);
         first.change(&surface, &from_later).ok_or(RunError::NoSurface)
@@ -103,52 +104,27 @@ impl Against {
     /// The object of the same label, looked at as the first is.
     fn object(&self, first: &InputObject) -> Result<Object, RunError> {
         let measurement = first.local().comparable();
-        let object = match &self.content {
-            Content::Field(field) => measurement.prepare_field(field)?,
-            Content::Probability(image) => measurement.prepare_probability(image)?,
-            Content::Labels { image, segments, table } => {
+        let object = match &self.voxels {
+            Voxels::Field(field) => measurement.prepare_field(field)?,
+            Voxels::Probability(image) => measurement.prepare_probability(image)?,
+            Voxels::Labels(image) => {
                 let label = first.label.as_ref().ok_or(RunError::NoSurface)?;
-                measurement.prepare(mask_of(image, segments.as_ref(), table, label)?)?
+                measurement.prepare(self.mask(image, label)?)?
             }
         };
         Ok(object.under(first.control()))
     }
-}
 
-impl Content {
-    fn of(input: &Opened, plan: &Plan) -> Result<Self, RunError> {
-        let source = &*input.source;
-        let mut slabs = Watched { slabs: source.slabs()?, input: input.name, control: input.control };
-        Ok(match plan.measurement.embedding {
-            EmbeddingKind::Given => Self::Field(field(source, &mut slabs)?),
-            EmbeddingKind::Probability => {
-                Self::Probability(Arc::new(ProbabilityImage::from_slabs(&mut slabs)?))
-            }
-            _ => {
-                let image = Box::new(LabelImage::from_slabs(&mut slabs)?);
-                Self::Labels { image, segments: source.segments(), table: source.label_table() }
-            }
-        })
+    fn mask(&self, image: &LabelImage, label: &LabelGroup) -> Result<Mask, RunError> {
+        let selection = LabelSelection::Groups(vec![label.clone()]);
+        let found = Selected::of(&selection, image, self.segments.as_ref())
+            .map_err(|error| with_name(error, &self.table))?;
+        let values = found.into_iter().next().map_or_else(|| label.clone(), |object| object.values);
+        Ok(image.group_mask(&values))
     }
-}
-
-fn mask_of(
-    image: &LabelImage,
-    segments: Option<&Segments>,
-    table: &LabelTable,
-    label: &LabelGroup,
-) -> Result<Mask, RunError> {
-    let selection = LabelSelection::Groups(vec![label.clone()]);
-    let found = Selected::of(&selection, image, segments).map_err(|error| with_name(error, table))?;
-    let values = found.into_iter().next().map_or_else(|| label.clone(), |object| object.values);
-    Ok(image.group_mask(&values))
 }
 
 /// An error of the later input.
 fn told_of(name: &str, error: RunError) -> RunError {
-    if error.is_stop() {
-        error
-    } else {
-        RunError::Beside { what: "the later image", file: name.to_owned(), source: Box::new(error) }
-    }
+    beside("the later image", name, error)
 }

@@ -103,7 +103,11 @@ impl SampleImage {
     }
 }
 
-fn beside(what: &'static str, file: &str, error: RunError) -> RunError {
+/// An error of such an image; that the run was told to stop is none.
+pub(super) fn beside(what: &'static str, file: &str, error: RunError) -> RunError {
+    if error.is_stop() {
+        return error;
+    }
     RunError::Beside { what, file: file.to_owned(), source: Box::new(error) }
 }
 

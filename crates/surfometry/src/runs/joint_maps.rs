@@ -54,10 +54,10 @@ impl JointMaps {
             (true, false) => phi.get(index).abs() / half_width,
         });
         for (number, &quantity) in quantities.iter().enumerate() {
-            if quantity == VoxelQuantity::Phi {
-                maps.lower(number, &phi);
-            } else {
-                maps.place(number, &map(quantity)?, &nearer);
+            match quantity {
+                VoxelQuantity::Phi => maps.lower(number, &phi),
+                VoxelQuantity::Band => maps.place(number, &band, &nearer),
+                _ => maps.place(number, &map(quantity)?, &nearer),
             }
         }
         Ok(())

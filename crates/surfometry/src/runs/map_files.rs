@@ -1,5 +1,6 @@
 //! Files that show one object: meshes, voxel maps, pictures.
 
+use super::joint_maps::NamedMap;
 use super::{FileLedger, InputObject, RunError};
 use crate::Choice;
 use crate::inputs::with_parts;
@@ -157,12 +158,12 @@ fn voxel_file(path: &Path, style: &MapStyle, quantity: VoxelQuantity) -> PathBuf
 
 /// Writes the maps of all objects of an input; their names.
 pub(super) fn write_joint_maps(
-    (grid, maps): &(Grid, Vec<(VoxelQuantity, Vec<f32>)>),
+    (grid, maps): &(Grid, Vec<NamedMap>),
     path: &Path,
     style: &MapStyle,
     ledger: &FileLedger,
 ) -> Result<Vec<PathBuf>, RunError> {
-    let mut write = |(quantity, values): &(VoxelQuantity, Vec<f32>)| {
+    let mut write = |(quantity, values): &NamedMap| {
         let path = voxel_file(path, style, *quantity);
         ledger.claim(&path)?;
         write_voxel_map(&path, grid, values, quantity.name()).map_err(|e| written(&path, e))?;

@@ -90,7 +90,7 @@ pub use measure::{MeasureTask, records_of};
 pub use merge::Shards;
 pub use mixed_sigma::SigmaRange;
 pub use object::InputObject;
-pub use part_tables::PartTables;
+pub use part_tables::{PartFiles, PartTables};
 #[cfg(feature = "pictures")]
 pub use pictures::Pictures;
 pub use plan::{ExplainTopology, Plan};

@@ -15,10 +15,34 @@ const OBJECT: [&str; 4] = ["input", "label", "name", "component"];
 const REGION: [&str; 4] = ["region", "region_name", "voxels", "border_area_mm2"];
 const CONTACT: [&str; 5] = ["input", "label_1", "label_2", "name_1", "name_2"];
 
-/// Hands records on, and keeps the rows of the tables that lie beside theirs: `x_regions.csv` and `x_interfaces.csv` beside
+/// The tables that lie beside one of objects, as far as they are asked for: `x_regions.csv` and `x_interfaces.csv` beside
 /// `x.csv`.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct PartFiles {
+    regions: Option<PathBuf>,
+    interfaces: Option<PathBuf>,
+}
+
+impl PartFiles {
+    /// Those that a plan asks for.
+    pub fn beside(path: &Path, plan: &Plan) -> Self {
+        let named = |name| with_parts(path, &[name]);
+        Self {
+            regions: plan.regions.as_ref().map(|_| named("regions")),
+            interfaces: plan.interfaces.then(|| named("interfaces")),
+        }
+    }
+
+    /// Their names.
+    pub fn paths(&self) -> impl Iterator<Item = &Path> {
+        self.regions.iter().chain(&self.interfaces).map(PathBuf::as_path)
+    }
+}
+
+/// Hands records on, and keeps the rows of the tables that lie beside theirs.
 pub struct PartTables<'a> {
     inner: &'a mut dyn Sink<Record>,
+    files: &'a PartFiles,
     regions: Vec<Vec<String>>,
     interfaces: Vec<Vec<String>>,
     /// Interfaces that have a row: each is in the records of both objects.
@@ -27,37 +51,25 @@ pub struct PartTables<'a> {
 
 impl<'a> PartTables<'a> {
     /// In front of a sink.
-    pub fn new(inner: &'a mut dyn Sink<Record>) -> Self {
-        Self { inner, regions: Vec::new(), interfaces: Vec::new(), known: BTreeSet::new() }
+    pub fn new(inner: &'a mut dyn Sink<Record>, files: &'a PartFiles) -> Self {
+        Self { inner, files, regions: Vec::new(), interfaces: Vec::new(), known: BTreeSet::new() }
     }
 
-    /// The tables that lie beside one, as far as a plan asks for them.
-    pub fn paths(beside: &Path, plan: &Plan) -> Vec<PathBuf> {
-        let asked = [("regions", plan.regions.is_some()), ("interfaces", plan.interfaces)];
-        asked.iter().filter(|(_, asked)| *asked).map(|(name, _)| with_parts(beside, &[*name])).collect()
-    }
-
-    /// Writes those of them that were asked for, whole or not at all.
+    /// Writes them, each whole or not at all.
     ///
     /// # Errors
     /// Whatever keeps one from being written.
-    pub fn write(self, beside: &Path, plan: &Plan) -> io::Result<()> {
-        let values = names_of(&SurfaceValues::default())?;
-        let blurred = values.iter().map(|name| format!("blurred_{name}"));
-        let region_columns = [strings(&OBJECT), strings(&REGION), with_errors(&values)].concat();
-        let contacts = with_errors(&names_of(&InterfaceValues::default())?);
-        let contact_columns = [strings(&CONTACT), contacts, strings(&["curvature_share"])].concat();
-        let tables = [
-            (
-                plan.regions.is_some(),
-                "regions",
-                region_columns.into_iter().chain(blurred).collect(),
-                self.regions,
-            ),
-            (plan.interfaces, "interfaces", contact_columns, self.interfaces),
-        ];
-        for (_, name, columns, rows) in tables.into_iter().filter(|(asked, ..)| *asked) {
-            write_table(&with_parts(beside, &[name]), &columns, &rows)?;
+    pub fn write(self) -> io::Result<()> {
+        if let Some(path) = &self.files.regions {
+            let values = names_of(&SurfaceValues::default())?;
+            let blurred = values.iter().map(|name| format!("blurred_{name}"));
+            let columns = [strings(&OBJECT), strings(&REGION), with_errors(&values)].concat();
+            write_table(path, &columns.into_iter().chain(blurred).collect::<Vec<_>>(), &self.regions)?;
+        }
+        if let Some(path) = &self.files.interfaces {
+            let values = with_errors(&names_of(&InterfaceValues::default())?);
+            let columns = [strings(&CONTACT), values, strings(&["curvature_share"])].concat();
+            write_table(path, &columns, &self.interfaces)?;
         }
         Ok(())
     }
@@ -92,10 +104,10 @@ impl<'a> PartTables<'a> {
 
 impl Sink<Record> for PartTables<'_> {
     fn row(&mut self, row: Record) -> io::Result<()> {
-        for part in row.regions.iter().flatten() {
+        for part in row.regions.iter().flatten().filter(|_| self.files.regions.is_some()) {
             self.add_region(&row, part)?;
         }
-        for interface in row.interfaces.iter().flatten() {
+        for interface in row.interfaces.iter().flatten().filter(|_| self.files.interfaces.is_some()) {
             self.add_interface(&row, interface)?;
         }
         self.inner.row(row)

@@ -31,6 +31,29 @@ pub struct Reading<'a> {
     content: Content,
 }
 
+/// All voxels of an input, as an embedding takes them.
+#[derive(Debug)]
+pub(super) enum Voxels {
+    Labels(Box<LabelImage>),
+    Probability(Arc<ProbabilityImage>),
+    Field(Arc<FieldImage>),
+}
+
+impl Voxels {
+    /// Reads an input: labels, or, for the embeddings that are of such, a field or a soft segmentation.
+    pub(super) fn of(input: &Opened, embedding: EmbeddingKind) -> Result<Self, RunError> {
+        let source = &*input.source;
+        let mut slabs = Watched { slabs: source.slabs()?, input: input.name, control: input.control };
+        Ok(match embedding {
+            EmbeddingKind::Given => Self::Field(field(source, &mut slabs)?),
+            EmbeddingKind::Probability => {
+                Self::Probability(Arc::new(ProbabilityImage::from_slabs(&mut slabs)?))
+            }
+            _ => Self::Labels(Box::new(LabelImage::from_slabs(&mut slabs)?)),
+        })
+    }
+}
+
 enum Content {
     Labels(Box<Labelled>),
     Probability { image: Arc<ProbabilityImage>, truth: Option<Truth> },
@@ -55,17 +78,12 @@ impl<'a> Reading<'a> {
     pub fn of(input: &Opened<'a>, plan: &'a Plan) -> Result<Self, RunError> {
         let start = Instant::now();
         let source = &*input.source;
-        let mut slabs = Watched { slabs: source.slabs()?, input: input.name, control: input.control };
         let mut scales = LabelScales::default();
-        let content = match plan.measurement.embedding {
-            EmbeddingKind::Given => Content::Field(field(source, &mut slabs)?),
-            EmbeddingKind::Probability => {
-                let image = Arc::new(ProbabilityImage::from_slabs(&mut slabs)?);
-                Content::Probability { image, truth: source.truth() }
-            }
-            _ => {
-                let image = LabelImage::from_slabs(&mut slabs)?;
-                let (asked, objects, table) = selected(source, plan, &image)?;
+        let content = match Voxels::of(input, plan.measurement.embedding)? {
+            Voxels::Field(field) => Content::Field(field),
+            Voxels::Probability(image) => Content::Probability { image, truth: source.truth() },
+            Voxels::Labels(image) => {
+                let (asked, objects, table) = selected(input, plan, &image)?;
                 let labels: Vec<LabelGroup> = objects.iter().map(|object| object.label.clone()).collect();
                 scales = match input.part {
                     // Of several, others may have what one lacks.
@@ -82,7 +100,7 @@ impl<'a> Reading<'a> {
                 let many =
                     segments.map_or(image.summaries().len(), |segments| segments.present().count()) > 1;
                 let (names, truth) = (ObjectNames::new(table, &labels), source.truth());
-                Content::Labels(Box::new(Labelled { image, many, objects, names, truth }))
+                Content::Labels(Box::new(Labelled { image: *image, many, objects, names, truth }))
             }
         };
         let many_labels = matches!(&content, Content::Labels(labelled) if labelled.many);
@@ -286,7 +304,7 @@ fn interfaces(
     Ok(Some(found))
 }
 
-pub(super) fn field(
+fn field(
     source: &dyn Source,
     slabs: &mut impl SlabReader<Error = InputError>,
 ) -> Result<Arc<FieldImage>, RunError> {
@@ -319,14 +337,16 @@ fn tell_of_empty(input: &Opened, segments: Option<&Segments>, table: &LabelTable
 
 /// What a plan asks of an image that was read to its end, and the objects that this selects.
 fn selected(
-    source: &dyn Source,
+    input: &Opened,
     plan: &Plan,
     image: &LabelImage,
 ) -> Result<(Asked, Vec<Selected>, LabelTable), RunError> {
-    let table = source.label_table();
-    let asked = Asked::of(plan, &table)?;
-    let objects = Selected::of(&asked.labels, image, source.segments().as_ref())
+    let table = input.source.label_table();
+    let mut asked = Asked::of(plan, &table)?;
+    input.lacks(asked.missing.drain(..))?;
+    let (objects, missing) = Selected::found(&asked.labels, image, input.source.segments().as_ref())
         .map_err(|error| with_name(error, &table))?;
+    input.lacks(missing.into_iter().map(|error| with_name(error, &table)))?;
     Ok((asked, objects, table))
 }
 
@@ -337,7 +357,7 @@ pub(super) fn labelled_masks(
 ) -> Result<impl Iterator<Item = (Option<String>, LabelGroup, Mask)>, RunError> {
     let mut slabs = Watched { slabs: input.source.slabs()?, input: input.name, control: input.control };
     let image = LabelImage::from_slabs(&mut slabs)?;
-    let (_, objects, table) = selected(&*input.source, plan, &image)?;
+    let (_, objects, table) = selected(input, plan, &image)?;
     Ok(objects.into_iter().map(move |Selected { label, values }| {
         let mask = image.group_mask(&values);
         (table.name_of(&label), label, mask)

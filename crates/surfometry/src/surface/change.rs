@@ -1,10 +1,10 @@
 //! From one surface to another: how far, and how curvature changes.
 
 use super::closest_point::{ClosestPoint, ClosestPoints};
-use super::mesh::{dot, length, minus};
 use super::spread_mean::SpreadMean;
 use super::{Distribution, LocalQuantity, Mesh, Moments, QUANTILES, Surface, VertexGeometry};
 use crate::accuracy::PositionNoise;
+use crate::space::{dot, length, minus};
 use rayon::prelude::*;
 use serde::Serialize;
 

@@ -1,6 +1,7 @@
 //! The point of a mesh that is closest to another point.
 
-use super::mesh::{Mesh, dot, minus};
+use super::mesh::Mesh;
+use crate::space::{dot, minus};
 use rstar::{AABB, PointDistance, RTree, RTreeObject};
 
 /// The triangles of a mesh, by where they lie.
@@ -124,14 +125,11 @@ mod tests {
     use super::*;
 
     const STEPS: usize = 40;
+    use crate::space::length;
     use proptest::prelude::*;
 
     fn points(count: usize) -> impl Strategy<Value = Vec<[f64; 3]>> {
         prop::collection::vec(prop::array::uniform3(-1.0..1.0f64), count)
-    }
-
-    fn length(v: [f64; 3]) -> f64 {
-        dot(v, v).sqrt()
     }
 
     proptest! {

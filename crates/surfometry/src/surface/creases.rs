@@ -2,8 +2,8 @@
 
 use super::Surface;
 use super::local_scale::indices;
-use super::mesh::{dot, length};
 use super::spread_mean::SpreadMean;
+use crate::space::{dot, length};
 use crate::volume::Grid;
 
 /// Radius of curvature, in voxels, below which a surface may be a rounded edge: near the grid no voxel tells of an edge, and

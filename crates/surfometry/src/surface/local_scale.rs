@@ -1,6 +1,5 @@
 //! Geometry at every vertex at the scale that suits it.
 
-use super::mesh::dot;
 use super::spread_mean::SpreadMean;
 use super::{Surface, VertexGeometry};
 use crate::Control;
@@ -9,6 +8,7 @@ use crate::accuracy::{
     vertex_noise,
 };
 use crate::local_geometry::{Curvature, Jet};
+use crate::space::{dot, minus};
 use crate::tiling::TILE;
 use crate::volume::Grid;
 use rayon::prelude::*;
@@ -126,6 +126,7 @@ impl Surface {
             changes.from_plain.push(mean.of(&differences, &areas));
         }
         let places = smoothed_places(&changes.chosen(&along), &self.mesh.vertices, &areas, grid);
+        let axes = grid.axes();
         let apply = |(n, (vertex, position)): (usize, (&mut VertexGeometry, &mut [f64; 3]))| {
             let (lower, share) = (places[n].floor() as usize, places[n].fract());
             let upper = (lower + 1).min(scales.len() - 1);
@@ -133,7 +134,7 @@ impl Surface {
             let mixed = both.and_then(|(fine, coarse)| Reading::mixed(&fine, &coarse, share, furthest));
             let Some(Reading { jet, curvature }) = mixed else { return };
             let sigma = sigmas[lower] * libm::pow(sigmas[upper] / sigmas[lower], share);
-            *vertex = VertexGeometry::of(&jet, curvature, None, grid);
+            *vertex = VertexGeometry::of(&jet, curvature, None, &axes);
             let distance = Reading::to_zero(&jet, furthest);
             *position = std::array::from_fn(|a| position[a] + distance * vertex.normal[a]);
             let noise = changes.noise_factor * vertex_noise(sigma, grid.spacing(), along[n]);
@@ -154,7 +155,7 @@ impl Surface {
 pub(super) fn indices(points: &[[f64; 3]], grid: &Grid) -> Vec<[f64; 3]> {
     let affine = grid.affine();
     let rows = affine.reciprocal();
-    points.iter().map(|p| rows.map(|row| dot(row, super::minus(*p, affine.origin)))).collect()
+    points.iter().map(|p| rows.map(|row| dot(row, minus(*p, affine.origin)))).collect()
 }
 
 /// Numbers of the points in each tile.

@@ -1,5 +1,6 @@
 //! Triangle meshes.
 
+use crate::space::{cross, dot, length, minus};
 use std::collections::HashMap;
 
 /// A triangle mesh with shared vertices, in world coordinates (RAS, mm), its triangles wound so that their
@@ -132,28 +133,6 @@ pub(crate) fn triangle_area([a, b, c]: [[f64; 3]; 3]) -> f64 {
 /// from it.
 pub(crate) fn tetrahedron_volume([a, b, c]: [[f64; 3]; 3]) -> f64 {
     dot(a, cross(b, c)) / 6.0
-}
-
-pub(crate) fn minus(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    std::array::from_fn(|i| a[i] - b[i])
-}
-
-pub(crate) fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-pub(crate) fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-}
-
-pub(crate) fn length(a: [f64; 3]) -> f64 {
-    libm::sqrt(dot(a, a))
-}
-
-/// The direction of a vector that is not zero.
-pub(crate) fn unit(a: [f64; 3]) -> [f64; 3] {
-    let length = length(a);
-    a.map(|v| v / length)
 }
 
 #[cfg(test)]

@@ -39,7 +39,6 @@ pub use isosurface::{SurfaceSummary, extract};
 pub(crate) use isosurface::{SurfaceSums, cell_limits, cells_around};
 pub(crate) use local_scale::ScaledField;
 pub use mesh::Mesh;
-pub(crate) use mesh::{cross, dot, length, minus, unit};
 pub use quantity::LocalQuantity;
 pub use sampled::{JointHistogram, Sample, SampleCorrelation, SampleSummary, SampledVolume};
 pub(crate) use surface_map::VertexExtras;

@@ -43,13 +43,14 @@ impl Surface {
         let limits = cell_limits(scheme.embedding(), 0.0);
         let limits = region.map_or(limits, |region| limits.intersection(&region));
         let storage = Pool::<Vec<FieldValue<D>>>::default();
+        let axes = grid.axes();
         let geometry_at = |jet: &Jet| {
             let curvature = band.curvature(jet)?;
             let displacement = match extras {
                 VertexExtras::Shift { sigma } => Some(-sigma * sigma * curvature.mean_curvature),
                 _ => None,
             };
-            Some(VertexGeometry::of(jet, curvature, displacement, grid))
+            Some(VertexGeometry::of(jet, curvature, displacement, &axes))
         };
         let part = |tile: &IndexBox| {
             if control.is_stopped() {

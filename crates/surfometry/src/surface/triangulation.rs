@@ -2,7 +2,7 @@
 
 use super::cell::{edge_base, is_ambiguous, loops};
 use super::cell_interior::{joined_across, tunnels};
-use super::mesh::{dot, minus};
+use crate::space::{dot, minus};
 use std::sync::LazyLock;
 
 /// Most triangles of a cell that needs no look at its values: one loop of six edges.

@@ -1,11 +1,10 @@
 //! The geometry of the level set at a vertex, from the field's derivatives there.
 
-use super::mesh::{cross, dot, unit};
 use super::{LocalQuantity, VertexArray, VertexChange, VertexValues};
 use crate::Choice;
 use crate::accuracy::CurvatureErrors;
 use crate::local_geometry::{Curvature, Jet};
-use crate::volume::Grid;
+use crate::space::{cross, dot, unit};
 use std::f64::consts::FRAC_2_PI;
 
 /// What is known at a vertex; vectors are unit vectors of the world (RAS).
@@ -51,12 +50,17 @@ const CHANGE_ERROR_ARRAYS: [ChangeErrorArray; 2] = [
 ];
 
 impl VertexGeometry {
-    /// From the field's derivatives along the grid's perpendicular axes, and the curvature that follows from them.
-    pub(super) fn of(jet: &Jet, curvature: Curvature, displacement: Option<f64>, grid: &Grid) -> Self {
+    /// From the field's derivatives along perpendicular axes (`Grid::axes`), and the curvature that follows from them.
+    pub(super) fn of(
+        jet: &Jet,
+        curvature: Curvature,
+        displacement: Option<f64>,
+        axes: &[[f64; 3]; 3],
+    ) -> Self {
         let magnitude = jet.gradient_magnitude();
         let normal = jet.gradient.map(|g| g / magnitude);
         let [direction_1, direction_2] = principal_directions(jet, normal);
-        let world = |v| grid.in_world(v);
+        let world = |v: [f64; 3]| std::array::from_fn(|w| (0..3).map(|a| axes[a][w] * v[a]).sum());
         Self {
             normal: world(normal),
             curvature,
@@ -159,6 +163,7 @@ impl Curvature {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::volume::Grid;
 
     fn curvature(k1: f64, k2: f64) -> Curvature {
         Curvature { mean_curvature: 0.5 * (k1 + k2), gaussian_curvature: k1 * k2 }
@@ -191,7 +196,7 @@ mod tests {
         let hessian = [second(0, 0), second(1, 1), second(2, 2), second(0, 1), second(0, 2), second(1, 2)];
         let jet = Jet { value: 0.0, gradient: point.map(|p| 0.5 * p), hessian };
         let grid = Grid::axis_aligned([4; 3], [1.0; 3]).unwrap();
-        let geometry = VertexGeometry::of(&jet, Curvature::of(&jet).unwrap(), None, &grid);
+        let geometry = VertexGeometry::of(&jet, Curvature::of(&jet).unwrap(), None, &grid.axes());
         let [k1, k2] = geometry.curvature.principal();
         assert!((k1 - 0.5).abs() < 1e-12 && k2.abs() < 1e-12);
         assert!((dot(geometry.direction_2, axis).abs() - 1.0).abs() < 1e-12);

@@ -127,14 +127,7 @@ impl Grid {
         (self.strain() > 0.0).then(|| Shear::of(&self.affine, self.spacing))
     }
 
-    /// A vector along the grid's axes, or the perpendicular ones nearest to them, in mm, turned into the world; also where
-    /// the axes are left-handed.
-    pub(crate) fn in_world(&self, v: [f64; 3]) -> [f64; 3] {
-        let axes = self.axes();
-        std::array::from_fn(|w| (0..3).map(|a| axes[a][w] * v[a]).sum())
-    }
-
-    /// These axes, unit vectors of the world.
+    /// The grid's axes, or the perpendicular ones nearest to them, unit vectors of the world; they may be left-handed.
     pub(crate) fn axes(&self) -> [[f64; 3]; 3] {
         let (affine, spacing) = (&self.affine, self.spacing.mm());
         match self.shear() {

@@ -1,6 +1,7 @@
 //! Image axes that are not perpendicular.
 
 use super::{Affine, Spacing};
+use crate::space::dot;
 
 /// Steps after which a matrix that is a degree from a rotation is one, to the last digits.
 const STEPS: usize = 5;
@@ -34,7 +35,7 @@ impl Shear {
         }
         let reciprocal = directions.reciprocal();
         let axes = [0, 1, 2].map(|a| axes.column(a));
-        let inverse = axes.map(|axis| reciprocal.map(|row| product(axis, row)));
+        let inverse = axes.map(|axis| reciprocal.map(|row| dot(axis, row)));
         Self { axes, inverse }
     }
 
@@ -46,7 +47,7 @@ impl Shear {
     /// A gradient along the image's axes, 1/mm, along the perpendicular ones.
     #[inline]
     pub(crate) fn gradient(&self, gradient: [f64; 3]) -> [f64; 3] {
-        self.inverse.map(|row| product(row, gradient))
+        self.inverse.map(|row| dot(row, gradient))
     }
 
     /// The same of second derivatives xx, yy, zz, xy, xz, yz.
@@ -57,8 +58,4 @@ impl Shear {
         let at = |n: usize, m: usize| (0..3).map(|a| self.inverse[n][a] * half[a][m]).sum();
         [at(0, 0), at(1, 1), at(2, 2), at(0, 1), at(0, 2), at(1, 2)]
     }
-}
-
-fn product(a: [f64; 3], b: [f64; 3]) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }

@@ -3,6 +3,7 @@
 use super::data_set::{DataSet, Elements};
 use super::error;
 use crate::io::ReadError;
+use crate::space::dot;
 use dicom_dictionary_std::tags;
 use dicom_object::{InMemDicomObject, Tag};
 
@@ -88,10 +89,6 @@ impl Plane {
             (0..2).all(|n| (self.spacing[n] - other.spacing[n]).abs() <= SLACK * self.spacing[n].abs());
         parallel && spaced
     }
-}
-
-pub(super) fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
-    (0..3).map(|n| a[n] * b[n]).sum()
 }
 
 /// A direction that is written with few digits, as one of length 1; what is far from it is none.

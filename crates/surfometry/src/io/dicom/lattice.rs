@@ -1,8 +1,9 @@
 //! The lattice that parallel frames lie on.
 
 use super::error;
-use super::frame::{Plane, dot};
+use super::frame::Plane;
 use crate::io::ReadError;
+use crate::space::dot;
 use crate::volume::Affine;
 
 /// Part of the distance of slices by which places may differ from even ones: positions are written with few digits.

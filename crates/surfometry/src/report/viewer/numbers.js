@@ -13,7 +13,7 @@ function thousandths(value) {
   return (Math.round(value * 1000) / 1000 + 0).toFixed(3).replace("-", "−");
 }
 
-// A value and its standard error, both to the error's second digit.
+// A value and its standard error, with no more decimals than make the error's second digit.
 function withError(value, error) {
   if (value === null || value === undefined) return "–";
   if (!error) return digits(value);
