@@ -6,6 +6,7 @@ use surfometry::runs::{DocumentForm, Journal, Plan, RunHead, Shard};
 
 /// Where a run keeps what it has finished.
 #[derive(Debug, clap::Args)]
+#[command(next_help_heading = "Results")]
 pub(crate) struct JournalOptions {
     /// Measures every N-th input only, beginning with the I-th, for one of N machines or jobs; -o FILE.jsonl is a shard
     /// then, of which `surfometry merge` makes a table, CSV or JSON

@@ -4,20 +4,22 @@
 mod commands;
 mod console;
 mod cures;
+mod examples;
 mod inputs;
 mod journal_options;
 mod options;
 mod output;
 mod picture_options;
+mod shorthand;
 mod values;
 
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, Parser, Subcommand};
 use std::ffi::OsString;
 
 /// Measures the surfaces of segmented 3-D objects: volume, area, mean and Gaussian curvature, Euler
 /// characteristic.
 #[derive(Debug, Parser)]
-#[command(name = "surfometry", version, arg_required_else_help = true)]
+#[command(name = "surfometry", version, arg_required_else_help = true, after_help = examples::PROGRAM)]
 struct Cli {
     #[command(subcommand)]
     command: Command,
@@ -50,7 +52,7 @@ enum Command {
 ///
 /// `--help`, `--version` and arguments that cannot be parsed end the process.
 pub fn run(arguments: impl IntoIterator<Item = OsString>) -> u8 {
-    let cli = Cli::parse_from(arguments);
+    let cli = Cli::parse_from(shorthand::with_command(arguments, &Cli::command()));
     // More threads than cores only cost time and memory.
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     let threads = cli.threads.map_or(cores, usize::from).min(cores);

@@ -24,6 +24,7 @@ pub(crate) enum OutputFormat {
 
 /// Where results go, in which form.
 #[derive(Debug, Args)]
+#[command(next_help_heading = "Results")]
 pub(crate) struct OutputOptions {
     /// Form of the results [default: what the ending of -o FILE says, .json, .jsonl or .csv; else table]
     #[arg(long, value_enum)]
@@ -51,6 +52,7 @@ impl OutputOptions {
 
 /// At which scale surfaces are mapped.
 #[derive(Debug, Args)]
+#[command(next_help_heading = "Method")]
 pub(crate) struct CurvatureOptions {
     /// Map the surface and its curvature in the corrected embedding, as those of the original object, at this
     /// blur in mm; auto = local = what suits each vertex, in the embedding that gives the object back; object = one
@@ -72,6 +74,7 @@ impl CurvatureOptions {
 
 /// What labels are called.
 #[derive(Debug, Clone, Args)]
+#[command(next_help_heading = "Objects")]
 pub(crate) struct NameOptions {
     /// Names of labels, which win over the input's own: nnU-Net's dataset.json, any JSON, CSV or TSV of labels and names, a
     /// table of FreeSurfer, 3D Slicer or ITK-SNAP
@@ -91,6 +94,7 @@ fn label_names(path: &str) -> Result<LabelTable, ReadError> {
 
 /// What a file does not say of its voxels, or not right.
 #[derive(Debug, Clone, Copy, Args)]
+#[command(next_help_heading = "Voxels")]
 pub(crate) struct LatticeOptions {
     /// Voxel spacing in mm, fastest axis first: replaces the file's, or supplies what it lacks
     #[arg(long, value_name = "X,Y,Z", value_parser = spacing, allow_hyphen_values = true)]
@@ -103,11 +107,12 @@ pub(crate) struct LatticeOptions {
 
 /// Which objects of an input, and how far its voxels are apart.
 #[derive(Debug, Clone, clap::Args)]
+#[command(next_help_heading = "Objects")]
 pub(crate) struct InputSelection {
-    /// Labels: `all`, `N`, `N,M` (two objects) or `N+M` (one object of two labels), by number or by name, as `liver,spleen`;
-    /// a name with a comma or a plus sign stands in quotes of its own
-    #[arg(long, default_value = "all", allow_hyphen_values = true)]
-    label: SelectionWords,
+    /// Labels: `all`, `N`, `N,M` (two objects), `N-M` (each from N to M) or `N+M` (one object of two labels), by number or by
+    /// name, as `liver,spleen`; a name with a comma or a plus sign stands in quotes of its own. May be repeated [default: all]
+    #[arg(long, value_name = "LABEL", allow_hyphen_values = true)]
+    label: Vec<SelectionWords>,
     #[command(flatten)]
     names: NameOptions,
     #[command(flatten)]
@@ -126,7 +131,8 @@ impl InputSelection {
     }
 
     fn choices(&self) -> Choices {
-        let (labels, names) = (self.label.clone(), self.names.table());
+        let labels = self.label.iter().cloned().reduce(SelectionWords::and).unwrap_or_default();
+        let names = self.names.table();
         let preparation = self.preparation.chosen();
         let LatticeOptions { spacing, raw } = self.lattice;
         Choices { labels, names, spacing, preparation, raw, ..Choices::default() }
@@ -135,6 +141,7 @@ impl InputSelection {
 
 /// What is done to the voxels before.
 #[derive(Debug, Clone, Copy, clap::Args)]
+#[command(next_help_heading = "Voxels")]
 pub(crate) struct PreparationOptions {
     /// Grey values that are the object: LOW..HIGH, LOW.. or ..HIGH, both ends inside; it becomes label 1, all else background
     #[arg(long, value_name = "LOW..HIGH", allow_hyphen_values = true)]
@@ -157,6 +164,7 @@ impl PreparationOptions {
 
 /// How and what to measure.
 #[derive(Debug, Args)]
+#[command(next_help_heading = "Method")]
 pub(crate) struct MeasureOptions {
     #[command(flatten)]
     selection: InputSelection,
@@ -167,10 +175,10 @@ pub(crate) struct MeasureOptions {
     #[arg(long, value_name = "MM|auto|LABEL=MM,..", allow_hyphen_values = true)]
     thickness: Option<Lengths>,
     /// Half-width of the delta in units of the field, instead of a thickness
-    #[arg(long, conflicts_with = "thickness", value_parser = positive, allow_hyphen_values = true)]
+    #[arg(long, hide_short_help = true, conflicts_with = "thickness", value_parser = positive, allow_hyphen_values = true)]
     epsilon: Option<f64>,
     /// Level of the blurred mask that is the surface [default: 0.5]
-    #[arg(long, value_parser = fraction, allow_hyphen_values = true)]
+    #[arg(long, hide_short_help = true, value_parser = fraction, allow_hyphen_values = true)]
     level: Option<f64>,
     /// How an object becomes a field [default: gaussian; of an object of which that loses detail, in `measure`
     /// and `report`, recovering where its errors are smaller, unless other choices are made]
@@ -178,13 +186,13 @@ pub(crate) struct MeasureOptions {
     embedding: Option<EmbeddingKind>,
     /// How the field is differentiated [default: matched where sigma is 1.75 to 8 voxels, else gaussian;
     /// finite-difference without a blur]
-    #[arg(long, value_parser = one_of::<Derivatives>())]
+    #[arg(long, hide_short_help = true, value_parser = one_of::<Derivatives>())]
     derivatives: Option<Derivatives>,
     /// How voxels are summed [default: sum]
-    #[arg(long, value_parser = one_of::<QuadratureRule>())]
+    #[arg(long, hide_short_help = true, value_parser = one_of::<QuadratureRule>())]
     quadrature: Option<QuadratureRule>,
     /// Profile of the delta [default: sine]
-    #[arg(long, value_parser = one_of::<Smearing>())]
+    #[arg(long, hide_short_help = true, value_parser = one_of::<Smearing>())]
     delta: Option<Smearing>,
     /// What becomes of objects that the edge of the image cuts: closed with a flat cap, or measured between
     /// sections 3 sigma from the cuts
@@ -192,7 +200,7 @@ pub(crate) struct MeasureOptions {
     clip: Clip,
     /// Closes a given field where its edge cuts the object: beyond it the field rises to this positive number in
     /// its own units, `auto` to its largest value [default: the surface is left open there]
-    #[arg(long, value_name = "VALUE|auto", value_parser = padding, allow_hyphen_values = true)]
+    #[arg(long, hide_short_help = true, value_name = "VALUE|auto", value_parser = padding, allow_hyphen_values = true)]
     padding: Option<Padding>,
     /// The paper's choices: finite-difference, simpson, sigma 2, thickness 2.5; options given beside it win
     #[arg(long)]

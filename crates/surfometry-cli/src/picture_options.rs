@@ -12,6 +12,7 @@ use surfometry::surface::LocalQuantity;
 
 /// What colours and pictures show.
 #[derive(Debug, Args)]
+#[command(next_help_heading = "Pictures")]
 pub(crate) struct PictureOptions {
     /// What colours show
     #[arg(long, default_value = "mean-curvature", value_parser = one_of::<LocalQuantity>())]

@@ -346,10 +346,8 @@ fn a_phantom_written_and_read_is_the_same_phantom() {
     assert_eq!(refused.status.code(), Some(2));
 }
 
-/// Two labels, one at a time, listed, united, and one that is not there.
-#[test]
-fn labels_are_chosen_and_united() {
-    let folder = tempfile::tempdir().unwrap();
+/// An image of two labels that touch, 1 and 4.
+fn two_labels(folder: &Path) -> String {
     let mut voxels = vec![0u8; 30 * 30 * 30];
     for (i, voxel) in voxels.iter_mut().enumerate() {
         let (x, y, z) = (i % 30, i / 30 % 30, i / 900);
@@ -358,9 +356,17 @@ fn labels_are_chosen_and_united() {
         }
     }
     let header = "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 30 30 30\nspacings: 1 1 1\nencoding: raw\n\n";
-    let path = folder.path().join("two.nrrd");
+    let path = folder.join("two.nrrd");
     std::fs::write(&path, [header.as_bytes(), &voxels].concat()).unwrap();
-    let path = path.to_str().unwrap();
+    path.to_str().unwrap().to_owned()
+}
+
+/// Two labels, one at a time, listed, united, and one that is not there.
+#[test]
+fn labels_are_chosen_and_united() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = two_labels(folder.path());
+    let path = path.as_str();
     let labels = |args: &[&str]| -> Vec<Value> {
         let document = json(&[&["measure", path, "--sigma", "1"], args].concat());
         document["results"].as_array().unwrap().iter().map(|r| r["label"].clone()).collect()
@@ -382,6 +388,55 @@ fn labels_are_chosen_and_united() {
     );
     let info = text(&run(&["info", path]).stdout);
     assert!(info.contains("NRRD, uint8, 30 x 30 x 30 voxels") && info.contains("[5,8,8]"), "{info}");
+}
+
+/// While slices go by, as a whole, on the surface: the labels that are there are measured, each that is not is a failure.
+#[test]
+fn a_missing_label_fails_alone() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = two_labels(folder.path());
+    std::fs::write(folder.path().join("names.csv"), "label,name\n1,left\n3,front\n4,right\n").unwrap();
+    let document = |args: &[&str]| -> (Vec<Value>, Vec<String>) {
+        let output = run_in(folder.path(), &[&["measure", path.as_str(), "--format", "json"], args].concat());
+        assert_eq!(output.status.code(), Some(1), "{args:?}: {}", text(&output.stderr));
+        let document: Value = serde_json::from_slice(&output.stdout).unwrap();
+        let of = |list: &str, field: &str| {
+            document[list].as_array().unwrap().iter().map(|r| r[field].clone()).collect()
+        };
+        let failures: Vec<Value> = of("failures", "error");
+        (of("results", "label"), failures.iter().map(|error| error.as_str().unwrap().to_owned()).collect())
+    };
+    let both = [Value::from(1), Value::from(4)];
+    for more in [&[][..], &["--per-component"]] {
+        let (labels, failures) = document(&[&["--label", "1-4"], more].concat());
+        assert_eq!(labels, both);
+        let expected = [2, 3].map(|label| format!("no label {label} in the image; it holds 1, 4 (--label)"));
+        assert_eq!(failures, expected);
+        let (labels, failures) = document(&[&["--label", "9", "--label", "4"], more].concat());
+        assert_eq!((labels, failures.len()), (vec![Value::from(4)], 1));
+        let names = ["--names", "names.csv", "--label", "left,front,top,right"];
+        let (labels, failures) = document(&[&names, more].concat());
+        assert_eq!(labels, both);
+        assert!(
+            failures[0].contains("no label is called `top`")
+                && failures[1].contains("`front` (label 3) has no voxels")
+        );
+    }
+    let mapped = run_in(folder.path(), &["map", &path, "--label", "2-4", "-o", "m.ply"]);
+    assert_eq!(mapped.status.code(), Some(1));
+    assert!(folder.path().join("m_label-4.ply").exists(), "{}", text(&mapped.stdout));
+}
+
+/// `surfometry scan.nii.gz` is `surfometry measure scan.nii.gz`; a slip in a command's name is not.
+#[test]
+fn an_input_alone_is_measured() {
+    let (short, long) =
+        (run(&["-q", BALL, "--format", "csv"]), run(&["measure", "-q", BALL, "--format", "csv"]));
+    let rows = |output: &Output| text(&output.stdout).lines().count();
+    assert_eq!((short.status.code(), rows(&short)), (Some(0), rows(&long)));
+    let slip = run(&["mesure", BALL]);
+    assert_eq!(slip.status.code(), Some(2));
+    assert!(text(&slip.stderr).contains("'measure'"), "{}", text(&slip.stderr));
 }
 
 #[test]

@@ -17,6 +17,7 @@ const MOST: i64 = 100_000;
 /// given to `compare`. Files that are there already are left as they are, so a run that was stopped can be
 /// started again.
 #[derive(Debug, clap::Args)]
+#[command(after_help = crate::examples::COHORT)]
 pub(crate) struct Args {
     /// Folder to write into; it is made where it is not there
     #[arg(short, long, value_name = "FOLDER")]

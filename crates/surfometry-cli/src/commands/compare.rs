@@ -25,6 +25,7 @@ use surfometry::statistics::Bootstrap;
 /// minus STANDARD. Give the same file twice to compare two of its columns, as
 /// volume_mm3:truth_volume_mm3 or surface_area_mm2@crofton-13:surface_area_mm2@lindblad.
 #[derive(Debug, clap::Args)]
+#[command(after_help = crate::examples::COMPARE)]
 pub(crate) struct Args {
     /// Table of the method, or a folder of tables
     #[arg(value_name = "METHOD.csv")]

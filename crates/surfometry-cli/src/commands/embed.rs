@@ -23,6 +23,7 @@ use surfometry::runs::{Batch, EmbedTask, EmbeddedObject, FileLedger, MapFile};
 /// object of which nothing is left has failed, and without any object no image is written. A voxel that several objects claim goes to the one whose phi is the lowest there; the plain blur at the
 /// level 0.5 leaves no such voxels. The field phi itself is what `map -o FILE.nii.gz --voxels phi` writes.
 #[derive(Debug, clap::Args)]
+#[command(after_help = crate::examples::EMBED)]
 pub(crate) struct Args {
     /// Files, patterns or phantoms
     #[arg(required = true, value_name = "INPUT", value_parser = input_name())]

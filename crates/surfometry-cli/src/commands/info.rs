@@ -16,6 +16,7 @@ use surfometry::runs::{Batch, Failure, InfoTask, InputDescription, Sink};
 ///
 /// Where the voxels are no labels, as in a field or a grey image, the header is shown and the reason given.
 #[derive(Debug, clap::Args)]
+#[command(after_help = crate::examples::INFO)]
 pub(crate) struct Args {
     /// Files, patterns or phantoms
     #[arg(required = true, value_name = "INPUT", value_parser = input_name())]

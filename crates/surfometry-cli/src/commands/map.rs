@@ -31,45 +31,46 @@ use surfometry::runs::{
 ///
 /// Coordinates are RAS, in mm. Exit status as of `measure`.
 #[derive(Debug, clap::Args)]
+#[command(after_help = crate::examples::MAP)]
 pub(crate) struct Args {
     /// Files, patterns or phantoms
     #[arg(required = true, value_name = "INPUT", value_parser = input_name())]
     inputs: Vec<String>,
     /// File to write; may be given several times
-    #[arg(short, long, value_name = "FILE")]
+    #[arg(short, long, value_name = "FILE", help_heading = "Results")]
     output: Vec<PathBuf>,
     /// Picture to write: the same as -o FILE
-    #[arg(long, value_name = "FILE.png")]
+    #[arg(long, value_name = "FILE.png", help_heading = "Results")]
     png: Option<PathBuf>,
     /// A later image of the same objects, in the same world coordinates, on any grid: distances to its surfaces
-    #[arg(long, value_name = "LATER", value_parser = input_name())]
+    #[arg(long, value_name = "LATER", value_parser = input_name(), help_heading = "Measures on the surface")]
     against: Option<String>,
     /// Quantities of voxel maps, a file each
-    #[arg(long, value_delimiter = ',', default_value = "mean-curvature", value_parser = one_of::<VoxelQuantity>())]
+    #[arg(long, value_delimiter = ',', default_value = "mean-curvature", value_parser = one_of::<VoxelQuantity>(), help_heading = "Voxel maps")]
     voxels: Vec<VoxelQuantity>,
     /// Volume, on any lattice, whose values are put on the vertices, linear between voxels: an array of that name, by default
     /// the file's, and in a .json file how it goes with curvature; may be given several times
-    #[arg(long, value_name = "[NAME=]FILE")]
+    #[arg(long, value_name = "[NAME=]FILE", help_heading = "Measures on the surface")]
     sample: Vec<SampleImage>,
     /// Label image, on any lattice, whose labels are regions: distributions by region as well, in a .json file
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", help_heading = "Measures on the surface")]
     regions: Option<String>,
     /// What voxel maps of curvature have outside the band
-    #[arg(long, default_value = "0", value_parser = one_of::<Outside>())]
+    #[arg(long, default_value = "0", value_parser = one_of::<Outside>(), help_heading = "Voxel maps")]
     outside: Outside,
     /// One picture of all surfaces, on one colour scale: labels where they are, inputs beside each other; and one voxel
     /// map of all of an input's objects, in which a voxel has its own label's value, else that of the nearest surface.
     /// Meshes stay one an object
-    #[arg(long)]
+    #[arg(long, help_heading = "Pictures")]
     together: bool,
     /// Both ends of the colour scale, instead of --limit
-    #[arg(long, value_name = "LOW..HIGH", conflicts_with = "limit", value_parser = color_range, allow_hyphen_values = true)]
+    #[arg(long, value_name = "LOW..HIGH", conflicts_with = "limit", value_parser = color_range, allow_hyphen_values = true, help_heading = "Pictures")]
     range: Option<[f64; 2]>,
     /// Above pictures [default: the object's name]
-    #[arg(long, value_name = "TEXT")]
+    #[arg(long, value_name = "TEXT", help_heading = "Pictures")]
     title: Option<String>,
     /// Below pictures [default: how the surface was made]
-    #[arg(long, value_name = "TEXT")]
+    #[arg(long, value_name = "TEXT", help_heading = "Pictures")]
     caption: Option<String>,
     #[command(flatten)]
     pictures: PictureOptions,

@@ -10,8 +10,8 @@ use anyhow::{Context, Result, bail};
 use std::path::PathBuf;
 use surfometry::measurement::CurvatureScale;
 use surfometry::runs::{
-    Batch, Choices, ExplainTopology, FileLedger, MapFile, MapStyle, MeasureTask, PartTables, Pictures, Plan,
-    Settings, SigmaRange,
+    Batch, Choices, ExplainTopology, FileLedger, MapFile, MapStyle, MeasureTask, PartFiles, PartTables,
+    Pictures, Plan, Settings, SigmaRange,
 };
 
 /// Measure the objects of label images
@@ -25,6 +25,7 @@ use surfometry::runs::{
 /// Exit status: 0 all measured, 1 some inputs failed (they are listed, the others are measured), 2 the
 /// command was wrong, 130 stopped by Ctrl-C.
 #[derive(Debug, clap::Args)]
+#[command(after_help = crate::examples::MEASURE)]
 #[expect(clippy::struct_excessive_bools, reason = "each is a switch of the command line")]
 pub(crate) struct Args {
     /// Files, patterns or phantoms
@@ -38,33 +39,33 @@ pub(crate) struct Args {
     journal: JournalOptions,
     /// Picture of the surface, coloured by mean curvature; `map` makes others. Where there are several inputs
     /// or objects, `_NAME` and `_label-N` go before the ending
-    #[arg(long, value_name = "FILE.png")]
+    #[arg(long, value_name = "FILE.png", help_heading = "Results")]
     png: Option<PathBuf>,
     /// Shows every object in full in the table: as it was segmented, its standard error, the surface that was integrated over,
     /// and its voxels. So is one object alone; several have a line each
-    #[arg(long)]
+    #[arg(long, help_heading = "Results")]
     details: bool,
     /// The same, and shows what was added for the original object, term by term, and every place where the
     /// blur or the band changes the object's topology (docs/quantities.md); the places are in JSON too, and
     /// are looked for where voxels and surface agree as well
-    #[arg(long)]
+    #[arg(long, help_heading = "Results")]
     explain: bool,
     /// Label image, on any lattice, whose labels are regions: each object's numbers by region as well, which add up to its
     /// own. In JSON, below a table, and in FILE_regions.csv beside -o FILE.csv
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", help_heading = "Objects")]
     regions: Option<String>,
     /// Area and curvature of the contact between any two labels that touch, background among them: in JSON, below a table,
     /// and in FILE_interfaces.csv beside -o FILE.csv
-    #[arg(long, conflicts_with = "per_component")]
+    #[arg(long, conflicts_with = "per_component", help_heading = "Objects")]
     interfaces: bool,
     /// Measures each 26-connected piece as an object of its own, the largest first
-    #[arg(long, conflicts_with = "png")]
+    #[arg(long, conflicts_with = "png", help_heading = "Objects")]
     per_component: bool,
     /// Says on stderr where the time went, stage by stage
-    #[arg(long)]
+    #[arg(long, help_heading = "Results", hide_short_help = true)]
     timings: bool,
     /// Says on stderr how much memory was needed
-    #[arg(long, short)]
+    #[arg(long, short, help_heading = "Results", hide_short_help = true)]
     verbose: bool,
 }
 
@@ -79,17 +80,10 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
     };
     plan.check()?;
     let inputs = expand(&args.inputs);
-    check_output(args.results.path(), &inputs)?;
-    check_output(args.png.as_deref(), &inputs)?;
-    let beside = part_tables(args, &plan)?;
-    for path in &beside {
-        check_output(Some(path), &inputs)?;
-    }
-    if let Some(regions) = &args.regions {
-        for path in beside.iter().map(PathBuf::as_path).chain(args.results.path()).chain(args.png.as_deref())
-        {
-            check_output(Some(path), std::slice::from_ref(regions))?;
-        }
+    let beside = part_files(args, &plan)?;
+    let read: Vec<String> = inputs.iter().chain(&args.regions).cloned().collect();
+    for path in args.results.path().into_iter().chain(args.png.as_deref()).chain(beside.paths()) {
+        check_output(Some(path), &read)?;
     }
     check_picture(args)?;
     let (path, style, ledger) = (args.png.clone(), MapStyle::default(), FileLedger::new(&inputs));
@@ -98,7 +92,6 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
     let settings = Settings::of(&plan);
     let mut journal = args.journal.begin(&plan, &inputs, args.results.path())?;
     let inputs = args.journal.own(&inputs);
-    let asked = plan.clone();
     let task = MeasureTask { plan, pictures, timings: args.timings };
     let control = control(inputs.len(), Voice { quiet, memory: args.verbose });
     let batch = Batch { inputs: &inputs, open, control: &control, cure };
@@ -107,7 +100,7 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
     }
     let shown = RecordTables::new(Shown { details: args.details, explain: args.explain }, &inputs);
     let status = write_results(&args.results, shown, &settings, quiet, |sink| {
-        let mut tables = PartTables::new(sink);
+        let mut tables = PartTables::new(sink, &beside);
         let mut sigmas = SigmaRange::new(&mut tables);
         let outcome = match journal {
             Some(journal) => journal.run(&batch, task, Some(&mut sigmas))?,
@@ -116,20 +109,18 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
         if !quiet && args.options.sigma_is_automatic() {
             say_sigmas(&sigmas);
         }
-        if let Some(path) = args.results.path().filter(|_| !beside.is_empty()) {
-            tables.write(path, &asked)?;
-        }
+        tables.write()?;
         Ok(outcome)
     })?;
     Ok(with_scales(status, &scale_ledger, quiet))
 }
 
 /// The tables of regions and interfaces that lie beside the one of objects.
-fn part_tables(args: &Args, plan: &Plan) -> Result<Vec<PathBuf>> {
+fn part_files(args: &Args, plan: &Plan) -> Result<PartFiles> {
     let wanted = args.regions.is_some() || args.interfaces;
     match args.results.path() {
-        _ if !wanted || args.results.format() != OutputFormat::Csv => Ok(Vec::new()),
-        Some(path) => Ok(PartTables::paths(path, plan)),
+        _ if !wanted || args.results.format() != OutputFormat::Csv => Ok(PartFiles::default()),
+        Some(path) => Ok(PartFiles::beside(path, plan)),
         None => bail!(
             "regions and interfaces have tables of their own beside -o FILE.csv: name it, or take --format json"
         ),

@@ -12,6 +12,7 @@ use surfometry::runs::{Shards, SigmaRange};
 /// The result is what one run over all inputs writes: the same rows in the same order. Shards that are missing, there
 /// twice, unfinished, or measured with other choices, other inputs or another version are refused.
 #[derive(Debug, clap::Args)]
+#[command(after_help = crate::examples::MERGE)]
 pub(crate) struct Args {
     /// Files that `measure --shard` wrote, in any order, or patterns
     #[arg(required = true, value_name = "SHARD")]
@@ -25,7 +26,8 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
     check_output(args.results.path(), &paths)?;
     let shards = Shards::read(&paths.into_iter().map(PathBuf::from).collect::<Vec<_>>())?;
     let settings = shards.settings().clone();
-    let tables = RecordTables::new(Shown { explain: settings.explain(), ..Shown::default() }, &[]);
+    let shown = Shown { explain: settings.explain(), ..Shown::default() };
+    let tables = RecordTables::new(shown, &shards.inputs());
     write_results(&args.results, tables, &settings, quiet, |sink| {
         let mut sigmas = SigmaRange::new(sink);
         let outcome = shards.replay(&mut sigmas)?;

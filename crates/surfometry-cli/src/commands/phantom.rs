@@ -11,6 +11,7 @@ use surfometry::volume::LabelImage;
 
 /// Write a phantom as NIfTI, and its exact integrals beside it as JSON
 #[derive(Debug, clap::Args)]
+#[command(after_help = crate::examples::PHANTOM)]
 pub(crate) struct Args {
     /// NAME?key=value&..., as in `measure`; a leading `phantom:` may be left out
     phantom: String,

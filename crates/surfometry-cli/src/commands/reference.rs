@@ -16,6 +16,7 @@ use surfometry::runs::{Batch, ReferenceRecord, ReferenceTask, Settings};
 /// What each is and how far it is off is in docs/reference_methods.md. A table of one method, as CSV, can be
 /// given to `compare`.
 #[derive(Debug, clap::Args)]
+#[command(after_help = crate::examples::REFERENCE)]
 pub(crate) struct Args {
     /// Files, patterns or phantoms
     #[arg(required = true, value_name = "INPUT", value_parser = input_name())]

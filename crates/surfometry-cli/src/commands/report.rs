@@ -19,19 +19,20 @@ use surfometry::runs::Batch;
 /// and filter, those of an image are shown together, and each has a page of its own. For display large surfaces have
 /// fewer triangles, those of many objects fewer still; numbers are always of the whole surface.
 #[derive(Debug, clap::Args)]
+#[command(after_help = crate::examples::REPORT)]
 pub(crate) struct Args {
     /// Files, patterns or phantoms
     #[arg(required = true, value_name = "INPUT", value_parser = input_name())]
     inputs: Vec<String>,
     /// Page to write
-    #[arg(short, long, value_name = "FILE.html")]
+    #[arg(short, long, value_name = "FILE.html", help_heading = "Results")]
     output: PathBuf,
     /// Heading [default: the input's name]
-    #[arg(long)]
+    #[arg(long, help_heading = "Results")]
     title: Option<String>,
     /// When the page was made, as it is to say; without it a page tells no time, unless the environment has
     /// SOURCE_DATE_EPOCH
-    #[arg(long, value_name = "TEXT")]
+    #[arg(long, value_name = "TEXT", help_heading = "Results")]
     date: Option<String>,
     #[command(flatten)]
     curvature: CurvatureOptions,

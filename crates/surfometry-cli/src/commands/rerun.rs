@@ -15,6 +15,7 @@ use surfometry::runs::{Batch, Finding, MadeBy, MeasureTask, Repeated, Repetition
 ///
 /// Exit status: 0 all the same to the last bit, 1 something differs, 2 the command was wrong.
 #[derive(Debug, clap::Args)]
+#[command(after_help = crate::examples::RERUN)]
 pub(crate) struct Args {
     /// What `measure -o FILE.json` wrote
     #[arg(value_name = "FILE.json")]

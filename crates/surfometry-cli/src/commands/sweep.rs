@@ -21,6 +21,7 @@ use surfometry::runs::{
 /// matters: parts are lost, or the grid shows. The records are those of `measure`, one a value; what is swept
 /// stands in their parameters.
 #[derive(Debug, clap::Args)]
+#[command(after_help = crate::examples::SWEEP)]
 pub(crate) struct Args {
     /// Files, patterns or phantoms
     #[arg(required = true, value_name = "INPUT", value_parser = input_name())]
@@ -36,18 +37,18 @@ pub(crate) struct Args {
     log: bool,
     /// Chart of V, A, M and chi over the range, an object each: blurred, and original with 95 % bars. Where
     /// there are several inputs or objects, `_NAME` and `_label-N` go before the ending
-    #[arg(long, value_name = "FILE.png|.svg")]
+    #[arg(long, value_name = "FILE.png|.svg", help_heading = "Pictures")]
     chart: Option<PathBuf>,
     /// What the chart shows instead: names of columns of --format csv, such as
     /// average_mean_curvature_per_mm,blurred_volume_mm3
-    #[arg(long, value_delimiter = ',', value_name = "NAME", requires = "chart")]
+    #[arg(long, value_delimiter = ',', value_name = "NAME", requires = "chart", help_heading = "Pictures")]
     measures: Vec<String>,
     /// Pictures of the surface along the way, all in the colours of the first; the value, such as `_sigma-2`,
     /// goes before the ending
-    #[arg(long, value_name = "FILE.png|.svg")]
+    #[arg(long, value_name = "FILE.png|.svg", help_heading = "Pictures")]
     surfaces: Option<PathBuf>,
     /// How many of them, evenly over the values
-    #[arg(long, default_value_t = 4, value_parser = clap::value_parser!(u32).range(1..=100))]
+    #[arg(long, default_value_t = 4, value_parser = clap::value_parser!(u32).range(1..=100), help_heading = "Pictures")]
     surface_count: u32,
     #[command(flatten)]
     pictures: PictureOptions,

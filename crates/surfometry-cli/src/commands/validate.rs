@@ -19,6 +19,7 @@ use surfometry::validation::{CaseResult, MadeCase, Noise, Validation, Zoo, again
 /// voxels, on cubic and on unequal spacings, rotated and shifted off the grid, and measured with the
 /// defaults; local curvature at an automatic scale. Nothing is read but the program itself.
 #[derive(Debug, clap::Args)]
+#[command(after_help = crate::examples::VALIDATE)]
 pub(crate) struct Args {
     /// Which shapes
     #[arg(long, default_value = "bodies", value_parser = one_of::<Zoo>())]

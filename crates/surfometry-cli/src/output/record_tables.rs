@@ -37,7 +37,7 @@ pub(crate) struct RecordTables {
 }
 
 impl RecordTables {
-    /// Of some inputs; of none where they are not known beforehand.
+    /// Of some inputs.
     pub(crate) fn new(shown: Shown, inputs: &[String]) -> Self {
         let parts = distinct_parts(inputs).into_iter();
         let parts = inputs.iter().cloned().zip(parts).filter_map(|(input, part)| Some((input, part?)));

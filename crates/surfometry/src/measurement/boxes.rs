@@ -5,7 +5,7 @@ use super::scheme::Scheme;
 use super::setup::Setup;
 use super::{MeasureError, Measured, Measurement};
 use crate::tiling::{Cover, IndexBox, TILE};
-use crate::volume::{Grid, LabelBlock, LabelGroup, LabelSelection, Mask};
+use crate::volume::{Found, Grid, LabelBlock, LabelGroup, LabelSelection, Mask, VolumeError};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::collections::btree_map::Entry;
@@ -17,6 +17,8 @@ use thiserror::Error;
 const SCHEMA_NAME: &str = "surfometry-partial/";
 /// The form that is written and read.
 const SCHEMA: &str = "surfometry-partial/2";
+
+type Results = Vec<(LabelGroup, Measured)>;
 
 /// What some boxes of an image add to the measurement of its objects: a value that can be written, sent,
 /// read, and merged with those of the other boxes in any order.
@@ -284,9 +286,10 @@ impl PartialMeasurement {
     /// # Errors
     /// [`MeasureError`] where boxes are missing, for a label that does not occur, or an image without
     /// foreground.
-    pub fn results(&self) -> Result<Vec<(LabelGroup, Measured)>, MeasureError> {
+    pub fn results(&self) -> Result<Results, MeasureError> {
         let Self(all) = self;
-        let (setup, groups) = all.complete()?;
+        let (setup, found) = all.complete()?;
+        let groups = found.all()?;
         let nothing = ObjectPart::default();
         let measured = |group: LabelGroup| {
             let part = all.objects.get(group.labels()).map_or(&nothing, |part| part);
@@ -296,11 +299,13 @@ impl PartialMeasurement {
         Ok(groups.into_par_iter().map(measured).collect())
     }
 
-    /// The same; what was known of an object goes as its result comes, for there may be a hundred thousand.
-    pub(super) fn into_results(self) -> Result<Vec<(LabelGroup, Measured)>, MeasureError> {
-        let (setup, groups) = self.0.complete()?;
+    /// The same, and what does not occur; what was known of an object goes as its result comes, for there may be a hundred
+    /// thousand.
+    pub(super) fn into_results(mut self) -> Result<(Results, Vec<VolumeError>), MeasureError> {
+        let (setup, Found { groups, missing }) = self.0.complete()?;
         if groups.iter().map(LabelGroup::labels).collect::<BTreeSet<_>>().len() < groups.len() {
-            return self.results();
+            self.0.selection = Some(groups.iter().map(|group| group.labels().to_vec()).collect());
+            return Ok((self.results()?, missing));
         }
         let Contents { cover, mut objects, .. } = self.0;
         let taken = groups.into_iter().map(|group| {
@@ -310,7 +315,7 @@ impl PartialMeasurement {
         let taken: Vec<(LabelGroup, Box<ObjectPart>)> = taken.collect();
         let measured =
             |(group, part): (LabelGroup, Box<ObjectPart>)| (group, setup.measured(&part.totals(&cover)));
-        Ok(taken.into_par_iter().map(measured).collect())
+        Ok((taken.into_par_iter().map(measured).collect(), missing))
     }
 
     /// The boxes of the image that are known.
@@ -372,7 +377,7 @@ impl TryFrom<Contents> for PartialMeasurement {
 
 impl Contents {
     /// How the whole image is measured, and the objects that are selected in it.
-    fn complete(&self) -> Result<(Setup, Vec<LabelGroup>), MeasureError> {
+    fn complete(&self) -> Result<(Setup, Found), MeasureError> {
         let missing = self.cover.missing();
         if let Some(&first) = missing.first() {
             let voxels = missing.iter().map(IndexBox::voxels).sum();
@@ -382,7 +387,7 @@ impl Contents {
         let groups = |groups: &Vec<Vec<i64>>| groups.iter().cloned().map(LabelGroup::united).collect();
         let selection =
             self.selection.as_ref().map_or(LabelSelection::All, |g| LabelSelection::Groups(groups(g)));
-        Ok((setup, selection.resolve_among(self.labels.iter().copied())?))
+        Ok((setup, selection.find_among(self.labels.iter().copied())?))
     }
 
     /// Whether two values may become one.

@@ -7,7 +7,7 @@ use super::setup::Setup;
 use super::{MeasureError, Measured, Measurement};
 use crate::Control;
 use crate::tiling::{IndexBox, TILE};
-use crate::volume::{LabelGroup, LabelImage, LabelRuns, LabelSelection, RunEncoder, SlabReader};
+use crate::volume::{LabelGroup, LabelImage, LabelRuns, LabelSelection, RunEncoder, SlabReader, VolumeError};
 use std::time::{Duration, Instant};
 use thiserror::Error;
 
@@ -38,6 +38,8 @@ pub enum StreamError<E: std::error::Error> {
 pub struct Streamed {
     /// The objects.
     pub results: Vec<(LabelGroup, Measured)>,
+    /// [`VolumeError::NoSuchLabel`] for each selected object that does not occur.
+    pub missing: Vec<VolumeError>,
     /// Time that the source took, s.
     pub source_seconds: f64,
     /// Time that finding the labels' runs took, s.
@@ -50,8 +52,8 @@ impl Measurement {
     /// any size.
     ///
     /// # Errors
-    /// [`StreamError`]: the source's own; a label that does not occur, an image without foreground,
-    /// parameters that make no sense.
+    /// [`StreamError`]: the source's own; an image without foreground, or without any of the selected labels; parameters
+    /// that make no sense. Where only some occur, the others are in [`Streamed::missing`].
     pub fn run_slabs<R: SlabReader>(
         &self,
         reader: &mut R,
@@ -87,8 +89,10 @@ impl Measurement {
             let start = Instant::now();
             let image = LabelImage::from_slabs(reader).map_err(StreamError::Read)?;
             let source_seconds = start.elapsed().as_secs_f64();
-            let results = self.run_labels(&image, selection, |_, _| {})?;
-            return Ok(Streamed { results, source_seconds, encode_seconds: 0.0 });
+            let found = selection.find(&image).map_err(MeasureError::from)?;
+            let (selection, missing) = (LabelSelection::Groups(found.groups), found.missing);
+            let results = self.run_labels(&image, &selection, |_, _| {})?;
+            return Ok(Streamed { results, missing, source_seconds, encode_seconds: 0.0 });
         }
         let mut stream = Stream::new(&setup, selection);
         let (mut source, mut encode) = (Duration::ZERO, Duration::ZERO);
@@ -123,8 +127,10 @@ impl Measurement {
                 break;
             }
         }
+        let (results, missing) = stream.sum.into_results()?;
         Ok(Streamed {
-            results: stream.sum.into_results()?,
+            results,
+            missing,
             source_seconds: source.as_secs_f64(),
             encode_seconds: encode.as_secs_f64(),
         })

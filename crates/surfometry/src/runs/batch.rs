@@ -9,7 +9,7 @@ use crate::{Control, Event};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::io;
-use std::sync::{Arc, mpsc};
+use std::sync::{Arc, Mutex, PoisonError, mpsc};
 use std::time::Duration;
 
 /// Inputs to which the same is done: read once each, small ones side by side, large ones one after the other,
@@ -64,6 +64,8 @@ pub struct Opened<'a> {
     /// Who hears of the run's progress and may stop it.
     pub control: &'a Control,
     pub(super) fingerprint: Arc<Fingerprint>,
+    /// Why some of what was asked of it could not be done; `None` where that is an error of all.
+    lacking: Option<Mutex<Vec<RunError>>>,
 }
 
 impl<'a> Opened<'a> {
@@ -75,7 +77,47 @@ impl<'a> Opened<'a> {
         control: &'a Control,
     ) -> Self {
         let fingerprint = Arc::new(Fingerprint::of(&*source));
-        Self { name, part, source, control, fingerprint }
+        Self { name, part, source, control, fingerprint, lacking: None }
+    }
+
+    /// The same, of which what is there is done where some of what was asked is not.
+    fn whatever_is_there(self) -> Self {
+        Self { lacking: Some(Mutex::default()), ..self }
+    }
+
+    /// Hears of objects that were asked for and are not there.
+    ///
+    /// # Errors
+    /// The first of them, where all must be there.
+    pub(super) fn lacks(&self, errors: impl IntoIterator<Item = RunError>) -> Result<(), RunError> {
+        let mut errors = errors.into_iter();
+        let Some(lacking) = &self.lacking else { return errors.next().map_or(Ok(()), Err) };
+        let mut lacking = lacking.lock().unwrap_or_else(PoisonError::into_inner);
+        for error in errors {
+            // Some inputs are read twice.
+            if lacking.iter().all(|known| known.to_string() != error.to_string()) {
+                lacking.push(error);
+            }
+        }
+        Ok(())
+    }
+
+    /// Does a task, and hands out as failures what the input lacks.
+    pub(super) fn done<T: Task>(
+        &self,
+        task: &T,
+        cure: fn(&RunError) -> Option<&'static str>,
+        out: &mut dyn FnMut(Item<T::Row>),
+    ) -> Result<(), RunError> {
+        let done = task.run(self, out);
+        let lacking = self
+            .lacking
+            .iter()
+            .flat_map(|lacking| std::mem::take(&mut *lacking.lock().unwrap_or_else(PoisonError::into_inner)));
+        for error in lacking {
+            self.fail(Failure::of(self.name, &error, cure), out);
+        }
+        done
     }
 
     /// Begins to hash its files, beside what is done with it, for who will say which they were.
@@ -246,7 +288,7 @@ impl Batch<'_> {
             Ok(source) => source,
             Err(error) => return failed(&error.into()),
         };
-        let input = Opened::new(name, part, source, self.control);
+        let input = Opened::new(name, part, source, self.control).whatever_is_there();
         if self.inputs.len() == 1 || !task.side_by_side() || input.source.grid().voxel_count() > SMALL {
             return Done::Large(input);
         }
@@ -291,7 +333,7 @@ impl Batch<'_> {
         out: &mut dyn FnMut(Item<T::Row>),
     ) -> Result<(), RunError> {
         self.control.tell(&Event::Started { input: input.name });
-        task.run(input, out)
+        input.done(task, self.cure, out)
     }
 
     /// The failure of an input, of which whoever listens is told at once.

@@ -67,7 +67,8 @@ impl Blockwise {
             ));
         }
         let names = label_names.into_iter().collect::<LabelTable>().overlaid(&plan.open.names);
-        let labels = Asked::of(&plan, &names)?.labels;
+        let Asked { labels, missing, .. } = Asked::of(&plan, &names)?;
+        missing.into_iter().next().map_or(Ok(()), Err)?;
         let plan = Plan { labels, ..plan };
         let run = Self { plan, grid, name: name.to_owned(), names };
         run.share(IndexBox::EMPTY)?;

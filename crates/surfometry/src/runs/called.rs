@@ -56,6 +56,8 @@ impl CalledObjects {
 /// What a plan asks of an input, whose labels are known.
 pub(super) struct Asked {
     pub(super) labels: LabelSelection,
+    /// Of objects to measure, the names that the input does not know.
+    pub(super) missing: Vec<RunError>,
     pub(super) scales: LabelScales,
     /// What has lengths of its own, and its label, where the input knows the name.
     with_lengths: Vec<(String, Option<LabelGroup>)>,
@@ -67,18 +69,15 @@ impl Asked {
     /// By the input's table of names.
     ///
     /// # Errors
-    /// [`RunError::NoSuchName`] for an object to measure. Lengths of what the input lacks wait for [`Self::check`].
+    /// [`RunError::NoSuchName`] where the input knows no object to measure. Lengths of what it lacks wait for [`Self::check`].
     pub(super) fn of(plan: &Plan, table: &LabelTable) -> Result<Self, RunError> {
-        let labels = match &plan.called.labels {
-            None => plan.labels.clone(),
-            Some(groups) => {
-                let objects = groups.iter().map(|words| object_called(words, table));
-                LabelSelection::Groups(without_repeats(objects.collect::<Result<_, _>>()?))
-            }
+        let (labels, missing) = match &plan.called.labels {
+            None => (plan.labels.clone(), Vec::new()),
+            Some(groups) => known(groups, table)?,
         };
         let with_lengths =
             plan.scales.labels().map(|label| (label.to_string(), Some(label.clone()))).collect();
-        let mut asked = Self { labels, scales: plan.scales.clone(), with_lengths, unknown: None };
+        let mut asked = Self { labels, missing, scales: plan.scales.clone(), with_lengths, unknown: None };
         let CalledObjects { sigma_mm, thickness_mm, .. } = &plan.called;
         for (words, length) in sigma_mm {
             let label = asked.with_length(words, table);
@@ -122,6 +121,21 @@ impl Asked {
             |label: &Option<LabelGroup>| label.as_ref().is_some_and(|label| label.is_among(objects));
         self.with_lengths.iter().map(move |(words, label)| (words.as_str(), is_there(label)))
     }
+}
+
+/// The objects that the input knows, of which there must be one, and why it does not know the others.
+fn known(groups: &[GroupWords], table: &LabelTable) -> Result<(LabelSelection, Vec<RunError>), RunError> {
+    let (mut known, mut missing) = (Vec::new(), Vec::new());
+    for words in groups {
+        match object_called(words, table) {
+            Ok(object) => known.push(object),
+            Err(error) => missing.push(error),
+        }
+    }
+    if known.is_empty() && !missing.is_empty() {
+        return Err(missing.remove(0));
+    }
+    Ok((LabelSelection::Groups(without_repeats(known)), missing))
 }
 
 /// The object that words stand for; the labels of a region are all of it.

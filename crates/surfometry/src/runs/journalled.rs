@@ -50,7 +50,7 @@ fn entry_of<T: Task<Row = Record>>(
         items.push(item.clone());
         out(item);
     };
-    match task.run(input, &mut kept) {
+    match input.done(task, cure, &mut kept) {
         Err(error) if error.is_stop() => return Err(error),
         Err(error) => input.fail(Failure::of(input.name, &error, cure), &mut kept),
         Ok(()) => {}

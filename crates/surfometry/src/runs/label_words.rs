@@ -24,7 +24,7 @@ pub struct GroupWords(pub(super) Vec<LabelWord>);
 ///
 /// ```
 /// use surfometry::runs::SelectionWords;
-/// let words: SelectionWords = "2,liver+3,'heart, left'".parse()?;
+/// let words: SelectionWords = "2,liver+3,'heart, left'".parse()?; // `20-24` is each of five labels
 /// assert_eq!(words.to_string(), "2,liver+3,'heart, left'");
 /// # Ok::<(), surfometry::runs::WordError>(())
 /// ```
@@ -54,6 +54,17 @@ impl GroupWords {
 }
 
 impl SelectionWords {
+    /// These and others; all where either is.
+    #[must_use]
+    pub fn and(self, other: Self) -> Self {
+        match (self, other) {
+            (Self::Groups(these), Self::Groups(others)) => {
+                Self::Groups(without_repeats([these, others].concat()))
+            }
+            _ => Self::All,
+        }
+    }
+
     /// The labels, where none is called by name.
     pub(super) fn numbers(&self) -> Option<LabelSelection> {
         match self {
@@ -118,9 +129,38 @@ impl FromStr for SelectionWords {
         if text == "all" {
             return Ok(Self::All);
         }
-        let groups = parts(text, ',').into_iter().map(str::parse).collect::<Result<Vec<_>, _>>()?;
+        let mut groups = Vec::new();
+        for part in parts(text, ',') {
+            match range(part) {
+                Some((first, last)) if first < last && last - first < MOST_OF_A_RANGE => {
+                    groups.extend((first..=last).map(|label| LabelGroup::single(label).into()));
+                }
+                Some(_) => {
+                    return Err(WordError(format!(
+                        "`{part}` is no range of labels: write the lower one first, and at most {MOST_OF_A_RANGE}"
+                    )));
+                }
+                None => groups.push(part.parse()?),
+            }
+        }
         Ok(Self::Groups(without_repeats(groups)))
     }
+}
+
+/// Labels of a range: more are a slip, for each that does not occur is told.
+const MOST_OF_A_RANGE: i64 = 10_000;
+
+/// Labels from one to another, as `20-24`.
+fn range(word: &str) -> Option<(i64, i64)> {
+    let (first, last) = word.trim().split_once('-')?;
+    let label = |text: &str| {
+        text.bytes()
+            .all(|byte| byte.is_ascii_digit())
+            .then(|| text.parse().ok())
+            .flatten()
+            .filter(|&label| label > 0)
+    };
+    Some((label(first)?, label(last)?))
 }
 
 impl FromStr for GroupWords {
@@ -139,7 +179,7 @@ impl FromStr for LabelWord {
         let word = text.trim();
         let slip = || {
             WordError(format!(
-                "`{text}` is no label; write `all`, `1`, `1,2` (two objects), `1+2` (one object of two labels) or names, as \
+                "`{text}` is no label; write `all`, `1`, `1,2` (two objects), `1-5` (five), `1+2` (one object of two labels) or names, as \
                  `liver,spleen`; a name with a comma, a plus or an equals sign, or of digits alone, stands in quotes; 0 is background"
             ))
         };
@@ -156,7 +196,11 @@ impl FromStr for LabelWord {
 
 /// What would be taken for something else, or for a slip.
 fn is_no_name(word: &str) -> bool {
-    word.trim() != word || word.is_empty() || word == "all" || word.parse::<f64>().is_ok()
+    word.trim() != word
+        || word.is_empty()
+        || word == "all"
+        || word.parse::<f64>().is_ok()
+        || range(word).is_some()
 }
 
 /// The parts between separators that are not in quotes; an apostrophe within a name is none.
@@ -206,8 +250,9 @@ mod tests {
         assert_eq!(read("'a,b'+\"c+d\",'7'"), [vec!["a,b", "c+d"], vec!["7"]]);
         assert_eq!(read("Crohn's,2"), [vec!["Crohn's"], vec!["#2"]]);
         assert_eq!(read("1,1,x+x"), [vec!["#1"], vec!["x"]]);
+        assert_eq!(read("2-4,3,'5-6',L1-3"), [vec!["#2"], vec!["#3"], vec!["#4"], vec!["5-6"], vec!["L1-3"]]);
         assert!(read("all").is_empty());
-        for slip in ["", "0", "1,,2", "1+", "1.5", "''", "liver,"] {
+        for slip in ["", "0", "1,,2", "1+", "1.5", "''", "liver,", "3-1", "2-2", "1-90000", "1-3+7"] {
             assert!(slip.parse::<SelectionWords>().is_err(), "{slip}");
         }
     }

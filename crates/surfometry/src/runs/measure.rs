@@ -81,6 +81,7 @@ impl MeasureTask {
         let files = FileStamps::of(&**source);
         let table = source.label_table();
         let asked = Asked::of(&self.plan, &table)?;
+        input.lacks(asked.missing)?;
         let mut slabs = Watched { slabs: source.slabs()?, input: name, control };
         let streamed = self.plan.measurement.run_slabs_under(control, &mut slabs, &asked.labels, |at| {
             control.tell(&Event::Slices {
@@ -95,6 +96,7 @@ impl MeasureTask {
             error => error.into(),
         })?;
         control.check()?;
+        input.lacks(streamed.missing.into_iter().map(|error| with_name(error, &table)))?;
         let file = crate::volume::SlabReader::file_time(&slabs).as_secs_f64();
         let read = streamed.source_seconds + streamed.encode_seconds;
         let mut results = streamed.results;

@@ -44,16 +44,26 @@ impl Shards {
         &self.head.settings
     }
 
+    /// The inputs of the run, in their order.
+    pub fn inputs(&self) -> Vec<String> {
+        self.places().map(|(shard, number)| self.lines[shard].head.inputs[number].clone()).collect()
+    }
+
+    /// The shard of each input, and which of the shard's own it is.
+    fn places(&self) -> impl Iterator<Item = (usize, usize)> + use<> {
+        let (count, all) = (self.lines.len(), self.lines.iter().map(|lines| lines.head.inputs.len()).sum());
+        (0..all).map(move |place| (place % count, place / count))
+    }
+
     /// Hands everything to a sink, in the order in which one run over all inputs would have.
     ///
     /// # Errors
     /// The sink's.
     pub fn replay(mut self, sink: &mut dyn Sink<Record>) -> io::Result<Outcome> {
         let mut outcome = Outcome::default();
-        let (count, all) = (self.lines.len(), self.lines.iter().map(|lines| lines.head.inputs.len()).sum());
-        for place in 0..all {
-            let lines = &mut self.lines[place % count];
-            let Some(entry) = lines.entries.remove(&lines.head.inputs[place / count]) else { continue };
+        for (shard, number) in self.places() {
+            let lines = &mut self.lines[shard];
+            let Some(entry) = lines.entries.remove(&lines.head.inputs[number]) else { continue };
             entry.items.into_iter().try_for_each(|item| outcome.hand(item, sink))?;
             sink.input_ends()?;
         }

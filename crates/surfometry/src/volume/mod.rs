@@ -60,7 +60,7 @@ pub(crate) use samples::{collected, for_samples};
 #[cfg(feature = "io")]
 pub use segments::{Segments, Selected};
 #[cfg(feature = "io")]
-pub(crate) use selection::without_repeats;
+pub(crate) use selection::{Found, without_repeats};
 pub use selection::{LabelGroup, LabelSelection, ParseSelectionError};
 pub use shared::Shared;
 pub(crate) use shear::Shear;

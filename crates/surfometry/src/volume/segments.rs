@@ -70,13 +70,25 @@ impl Selected {
         image: &LabelImage,
         segments: Option<&Segments>,
     ) -> Result<Vec<Self>, VolumeError> {
-        Ok(match segments {
-            None => selection.resolve(image)?.into_iter().map(Self::of_labels).collect(),
-            Some(segments) => {
-                let of = |label: LabelGroup| Self { values: segments.values_of(&label), label };
-                selection.resolve_among(segments.present())?.into_iter().map(of).collect()
-            }
-        })
+        let (objects, missing) = Self::found(selection, image, segments)?;
+        missing.into_iter().next().map_or(Ok(objects), Err)
+    }
+
+    /// The same, and [`VolumeError::NoSuchLabel`] for each that does not occur.
+    pub(crate) fn found(
+        selection: &LabelSelection,
+        image: &LabelImage,
+        segments: Option<&Segments>,
+    ) -> Result<(Vec<Self>, Vec<VolumeError>), VolumeError> {
+        let found = match segments {
+            None => selection.find(image)?,
+            Some(segments) => selection.find_among(segments.present())?,
+        };
+        let of = |label: LabelGroup| match segments {
+            None => Self::of_labels(label),
+            Some(segments) => Self { values: segments.values_of(&label), label },
+        };
+        Ok((found.groups.into_iter().map(of).collect(), found.missing))
     }
 
     /// Of labels that are their voxels' values.

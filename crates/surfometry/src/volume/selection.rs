@@ -89,10 +89,15 @@ impl LabelSelection {
     /// [`VolumeError::NoForeground`], [`VolumeError::GreyValues`] of what are no labels, unless some are named, or
     /// [`VolumeError::NoSuchLabel`] for one that does not occur.
     pub fn resolve(&self, image: &LabelImage) -> Result<Vec<LabelGroup>, VolumeError> {
+        self.find(image)?.all()
+    }
+
+    /// The groups to measure in an image, and those that do not occur.
+    pub(crate) fn find(&self, image: &LabelImage) -> Result<Found, VolumeError> {
         if *self == Self::All && image.is_grey() {
             return Err(VolumeError::GreyValues { labels: image.summaries().len() });
         }
-        self.resolve_among(image.summaries().iter().map(|s| s.label))
+        self.find_among(image.summaries().iter().map(|s| s.label))
     }
 
     /// A label that two of the groups have, with those.
@@ -105,25 +110,49 @@ impl LabelSelection {
         })
     }
 
-    /// The groups to measure among the labels that occur, background left out.
-    pub(crate) fn resolve_among(
-        &self,
-        present: impl Iterator<Item = i64>,
-    ) -> Result<Vec<LabelGroup>, VolumeError> {
+    /// The groups to measure among the labels that occur, background left out, and those of which a label does not. An error
+    /// where all are such.
+    pub(crate) fn find_among(&self, present: impl Iterator<Item = i64>) -> Result<Found, VolumeError> {
         let mut present: Vec<i64> = present.collect();
         present.sort_unstable();
         let groups = match self {
             _ if present.is_empty() => return Err(VolumeError::NoForeground),
-            Self::All => return Ok(present.into_iter().map(LabelGroup::single).collect()),
+            Self::All => {
+                let groups = present.into_iter().map(LabelGroup::single).collect();
+                return Ok(Found { groups, missing: Vec::new() });
+            }
             Self::Groups(groups) => groups,
         };
-        let occurs = |label: &i64| present.binary_search(label).is_ok();
-        match groups.iter().flat_map(LabelGroup::labels).find(|&label| !occurs(label)) {
-            Some(&missing) => {
-                Err(VolumeError::NoSuchLabel { missing, present: shortened(present.into_iter()) })
+        let mut found = Found::default();
+        for group in groups {
+            match group.labels().iter().find(|label| present.binary_search(label).is_err()) {
+                None => found.groups.push(group.clone()),
+                Some(&missing) => {
+                    let present = shortened(present.iter().copied());
+                    found.missing.push(VolumeError::NoSuchLabel { missing, present });
+                }
             }
-            None => Ok(groups.clone()),
         }
+        match found.missing.first() {
+            Some(first) if found.groups.is_empty() => Err(first.clone()),
+            _ => Ok(found),
+        }
+    }
+}
+
+/// What there is of a selection.
+#[derive(Debug, Default)]
+pub(crate) struct Found {
+    /// The groups of which every label occurs.
+    pub(crate) groups: Vec<LabelGroup>,
+    /// [`VolumeError::NoSuchLabel`] for each of the others.
+    pub(crate) missing: Vec<VolumeError>,
+}
+
+impl Found {
+    /// The groups, where none is missing.
+    pub(crate) fn all(self) -> Result<Vec<LabelGroup>, VolumeError> {
+        self.missing.into_iter().next().map_or(Ok(self.groups), Err)
     }
 }
 
