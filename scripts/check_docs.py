@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
-"""Checks that links between Markdown files lead somewhere, that every flag has its section in docs/flags.md, and
-that every test, bench and experiment that a page names is there.
+"""Checks that links between Markdown files lead somewhere, to the section as well, that docs/SUMMARY.md lists every page of the
+book once, that every flag has its section in docs/flags.md, and that every test, bench and experiment that a page names is there.
 
     scripts/check_docs.py --figures     # also lists the sentences with measured figures for which their section names none
 """
 
+import functools
 import pathlib
 import re
 import sys
@@ -12,12 +13,34 @@ import sys
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 
 
+@functools.cache
+def anchors(page):
+    """What the sections of a page are called in links: GitHub and mdBook make the same of these headings."""
+    prose = re.sub(r"^```.*?^```", "", page.read_text(encoding="utf-8"), flags=re.MULTILINE | re.DOTALL)
+    found = set()
+    for heading in re.findall(r"^#+ +(.+?) *$", prose, re.MULTILINE):
+        name = re.sub(r"[^\w\- ]", "", re.sub(r"\]\([^)]*\)", "", heading).lower()).replace(" ", "-")
+        found.add(next(n for n in (name, *(f"{name}-{again}" for again in range(1, 99))) if n not in found))
+    return found
+
+
 def broken_links():
-    pages = [*ROOT.glob("*.md"), *ROOT.glob("docs/*.md")]
-    for page in pages:
-        for target in re.findall(r"\]\(([^)#]+)[^)]*\)", page.read_text(encoding="utf-8")):
-            if not target.startswith(("http:", "https:")) and not (page.parent / target).exists():
+    for page in [*ROOT.glob("*.md"), *ROOT.glob("docs/*.md")]:
+        for target, section in re.findall(r"\]\(([^)#\s]*)#?([^)\s]*)\)", page.read_text(encoding="utf-8")):
+            linked = page.parent / target if target else page
+            if target.startswith(("http:", "https:")):
+                continue
+            if not linked.exists():
                 yield f"{page.relative_to(ROOT)}: {target} does not exist"
+            elif section and linked.suffix == ".md" and section not in anchors(linked):
+                yield f"{page.relative_to(ROOT)}: {target}#{section}: there is no such section"
+
+
+def pages_out_of_the_book():
+    listed = re.findall(r"\]\(([^)]+)\)", (ROOT / "docs/SUMMARY.md").read_text(encoding="utf-8"))
+    there = {page.name for page in ROOT.glob("docs/*.md")} - {"SUMMARY.md"}
+    yield from (f"docs/SUMMARY.md: {name} is not listed" for name in sorted(there - set(listed)))
+    yield from (f"docs/SUMMARY.md: {name} is listed twice" for name in sorted({n for n in listed if listed.count(n) > 1}))
 
 
 def flags_without_section():
@@ -32,7 +55,7 @@ def flags_without_section():
 
 # What measures a page's figures: a test, a bench, an experiment or a command of the program.
 WITNESS = re.compile(
-    r"--test (?P<test>\w+)|(?P<path>(?:experiments|benches|tests|crates)/[\w/.-]*\w)|surfometry validate|cargo run [^\n]*surfometry-experiments|cargo bench|`(?P<module>[a-z_]+/[a-z_]+\.rs)`"
+    r"--test (?P<test>\w+)|(?P<path>(?:experiments|benches|tests|crates)/[\w/.-]*\w)|surfometry validate|\$ surfometry \w+|cargo run [^\n]*surfometry-experiments|cargo bench|`(?P<module>[a-z_]+/[a-z_]+\.rs)`"
 )
 # A figure that was measured: of errors, times and sizes. Lengths in voxels are settings as often, so they need a verb of error.
 FIGURE = re.compile(r"\d ?%|\d(?:\.\d+)? (?:s|ms|seconds|minutes|MiB|GiB)\b|(?:right|off|within|low|large|small|wrong)\b[^.]* \d[\d.]* (?:of a )?voxels?")
@@ -81,7 +104,7 @@ def unwitnessed_figures():
                 yield from (f"{page.relative_to(ROOT)}, {heading}: {s.strip()}" for s in sentences(section) if FIGURE.search(s))
 
 
-problems = [*broken_links(), *flags_without_section(), *missing_witnesses()]
+problems = [*broken_links(), *pages_out_of_the_book(), *flags_without_section(), *missing_witnesses()]
 print("\n".join(problems) or "docs: links, flags and what measures figures are in order")
 unwitnessed = list(unwitnessed_figures())
 if "--figures" in sys.argv:

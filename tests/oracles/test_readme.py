@@ -1,4 +1,5 @@
-"""The README's commands, literally: each line that begins with `$ surfometry` is run by a shell, on files that built-in shapes stand in for."""
+"""The commands of the README and of the book, literally: each page's are run by a shell, one after the other, on files that
+built-in shapes stand in for. What a page shows below a command is what it prints, lines left out."""
 
 import os
 import pathlib
@@ -6,26 +7,65 @@ import re
 import shlex
 import shutil
 import subprocess
+import textwrap
 
 import numpy as np
 import pytest
 
 from conftest import BINARY, ROOT, surfometry
 
-README = (ROOT / "README.md").read_text(encoding="utf-8")
-COMMANDS = re.findall(r"^\$ (surfometry .*)$", README, re.MULTILINE)
+# What begins otherwise is not run here, and this is why.
+NOT_RUN = {
+    "cargo ": "builds: .ci/run does it",
+    "pip ": "installs: scripts/wheels tries wheels, .ci/run and scripts/test install from here",
+    "scripts/": "are the tests themselves, or make releases",
+    "PYTHONS=": "makes releases",
+    "python3.": "installs what is compared with",
+    "a/bin/": "runs what is compared with: minutes, and half a gigabyte",
+    "b/bin/": "the same",
+    "job=$(sbatch": "needs Slurm: tests/python/test_cohorts.py runs the script",
+    "sbatch ": "the same",
+}
+RUN = ("surfometry ", "head ")
+# What takes minutes is asked for less: of a cohort of a hundred bones one, of the zoo one shape; of eight shards there is one.
+SHORTER = [
+    (r"cohort -o cohort(?=\s+#)", "cohort -o cohort --femurs 0 --vertebrae 1"),
+    (r"--vertebrae 3", "--vertebrae 1"),
+    (r"validate(?=\s+#)", "validate --shape ball --poses 1 --resolutions 10 --ratios 1"),
+    (r"validate(.*) --poses \d+ --resolutions 10,20", r"validate\1 --shape ball --poses 1 --resolutions 10"),
+    (r"--shard 3/8 -o shard-3", "--shard 1/1 -o shard-1"),
+]
 BONE = "ball?radius=12&shift=0.3,0.2,0.1"
 
 
+def commands(page):
+    """Command lines of a page, each with the lines that are shown below it."""
+    found = []
+    for block in re.findall(r"^ *```console\n(.*?)^ *```$", page.read_text(encoding="utf-8"), re.MULTILINE | re.DOTALL):
+        for line in textwrap.dedent(block).splitlines():
+            if line.startswith("$ "):
+                found.append((line[2:], []))
+            elif line:
+                found[-1][1].append(line)
+    return found
+
+
+def is_run(command):
+    return command.startswith(RUN)
+
+
+PAGES = [page for page in [ROOT / "README.md", *sorted(ROOT.glob("docs/*.md"))] if any(is_run(c) for c, _ in commands(page))]
+
+
 @pytest.fixture(scope="module")
-def folder(tmp_path_factory):
-    """The files that the README's commands name."""
-    place = tmp_path_factory.mktemp("readme")
-    for name in ("bone", "scan", "scan1", "part", "later"):
+def stand_ins(tmp_path_factory):
+    """The files that the pages' commands name."""
+    place = tmp_path_factory.mktemp("stand_ins")
+    for name in ("bone", "scan", "scan1", "part", "later", "core"):
         surfometry("phantom", BONE, "-o", place / f"{name}.nii.gz")
     (place / "scans").mkdir()
     for number in range(3):
-        shutil.copy(place / "scan.nii.gz", place / "scans" / f"{number}.nii.gz")
+        surfometry("phantom", f"ball?radius={12 + number}", "-o", place / "scans" / f"scan{number}.nii.gz")
     labels = np.zeros((24, 30, 60), np.uint8)
     for number, label in enumerate((20, 21, 22)):
         labels[6:18, 6:22, 4 + 18 * number : 16 + 18 * number] = label
@@ -37,7 +77,11 @@ def folder(tmp_path_factory):
     sitk.WriteImage(sitk.GetImageFromArray(np.where(labels == 21, 700, -1000).astype(np.int16)), str(place / "ct.nii.gz"))
     scan = sitk.ReadImage(str(place / "scan.nii.gz"))
     z = np.indices(sitk.GetArrayViewFromImage(scan).shape)[0]
-    for name, voxels in (("dose", z.astype(np.float32)), ("zones", (1 + z // 10).astype(np.uint8))):
+    surfometry("map", f"phantom:{BONE}", "-o", place / "phi.nii.gz", "--voxels", "phi", "-q")
+    phi = sitk.ReadImage(str(place / "phi.nii.gz"))
+    sitk.WriteImage(phi, str(place / "phi.nrrd"))
+    probability = 0.5 - sitk.GetArrayFromImage(phi)
+    for name, voxels in (("dose", z.astype(np.float32)), ("zones", (1 + z // 10).astype(np.uint8)), ("probability", probability)):
         image = sitk.GetImageFromArray(voxels)
         image.CopyInformation(scan)
         sitk.WriteImage(image, str(place / f"{name}.nii.gz"))
@@ -55,37 +99,55 @@ def folder(tmp_path_factory):
     nuclei.attrs["multiscales"] = [{"version": "0.4", "axes": axes, "datasets": datasets}]
     nuclei.attrs["image-label"] = {"version": "0.4"}
     surfometry("map", f"phantom:{BONE}", "-o", place / "bone.stl", "-q")
-    surfometry("map", f"phantom:{BONE}", "-o", place / "phi.nii.gz", "--voxels", "phi", "-q")
-    sitk.WriteImage(sitk.ReadImage(str(place / "phi.nii.gz")), str(place / "phi.nrrd"))
-    for name, radius in (("ours", 12), ("theirs", 12.5)):
-        inputs = [f"phantom:ball?radius={radius + n}" for n in range(4)]
-        surfometry("measure", *inputs, "-o", place / f"{name}.csv")
-        table = (place / f"{name}.csv").read_text().replace(f"radius={radius}", "radius=12")
-        for n in range(4):
-            table = table.replace(f"phantom:ball?radius={radius + n}", f"scan{n}.nii.gz")
-        (place / f"{name}.csv").write_text(table)
+    surfometry("reference", *sorted((place / "scans").glob("*.nii.gz")), "--format", "csv", "-o", place / "reference.csv")
+    inputs = [f"phantom:ball?radius={12.5 + n}" for n in range(3)]
+    surfometry("measure", *inputs, "-o", place / "balls.csv")
+    header, *rows = (place / "balls.csv").read_text().splitlines()
+    (place / "balls.csv").unlink()
+    rows = [row.replace(inputs[n], f"scan{n}.nii.gz") for n, row in enumerate(rows)]
+    (place / "ours.csv").write_text("\n".join([header, *rows]) + "\n")
+    # With names of its own, as another program's table.
+    named = [f"{row},scan{n}.nii.gz,{1800 + 300 * n}" for n, row in enumerate(rows)]
+    (place / "theirs.csv").write_text("\n".join([f"{header},Image,BS", *named]) + "\n")
+    (place / "ours").mkdir()
+    shutil.copy(place / "ours.csv", place / "ours")
     return place
 
 
-def test_there_are_commands():
-    assert len(COMMANDS) > 10
+def test_every_line_is_run_or_said_why_not():
+    lines = {page: [c for c, _ in commands(page)] for page in [ROOT / "README.md", *ROOT.glob("docs/*.md")]}
+    assert sum(map(len, lines.values())) > 50
+    unknown = [f"{page.name}: {c}" for page, all_ in lines.items() for c in all_ if not is_run(c) and not c.startswith(tuple(NOT_RUN))]
+    assert not unknown
+    unused = [start for start in NOT_RUN if not any(c.startswith(start) for all_ in lines.values() for c in all_)]
+    assert not unused
 
 
-# A cohort of a hundred bones takes minutes: of each kind one is asked for instead. The zoo takes one shape.
-SHORTER = {"cohort -o cohort": "cohort -o cohort --femurs 0 --vertebrae 1", "surfometry validate  ": "surfometry validate --shape torus --poses 1 --resolutions 10 --ratios 1 "}
-
-
-@pytest.mark.parametrize("command", COMMANDS)
-def test_command_runs(folder, command):
-    for long, short in SHORTER.items():
-        command = command.replace(long, short)
+def problem(command, shown, folder):
+    """What is wrong with a command that a page has, or None."""
+    run = command
+    for long, short in SHORTER:
+        run = re.sub(long, short, run)
     environment = {**os.environ, "PATH": f"{pathlib.Path(BINARY).parent}:{os.environ['PATH']}"}
-    done = subprocess.run(command, shell=True, cwd=folder, env=environment, capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stderr
-    words = shlex.split(command, comments=True)
+    done = subprocess.run(run, shell=True, cwd=folder, env=environment, capture_output=True, text=True, check=False)
+    if done.returncode:
+        return f"exit status {done.returncode}: {done.stderr}"
+    words = shlex.split(run, comments=True)
     for option in ("-o", "--png", "--chart"):
-        for at, word in enumerate(words[:-1]):
-            if word == option:
-                # Where there are several quantities, their names go before the ending.
-                stem, _, ending = words[at + 1].partition(".")
-                assert list(folder.glob(f"{stem}*{ending}")), words[at + 1]
+        for word in (after for before, after in zip(words, words[1:]) if before == option):
+            # Where there are several quantities, their names go before the ending.
+            stem, _, ending = word.partition(".")
+            if not list(folder.glob(f"{stem}*{ending}")):
+                return f"{word} was not written"
+    # In this order, others between them. Where less is asked for, other numbers come.
+    printed = iter(done.stdout.splitlines())
+    missing = [line for line in shown if line.rstrip() not in (found.rstrip() for found in printed)]
+    return f"does not print {missing[0]!r}\n{done.stdout}" if missing and run == command else None
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
+def test_commands_of_a_page(page, stand_ins, tmp_path):
+    folder = tmp_path / "files"
+    shutil.copytree(stand_ins, folder)
+    wrong = [f"$ {c}\n{found}" for c, shown in commands(page) if is_run(c) and (found := problem(c, shown, folder))]
+    assert not wrong, "\n\n".join(wrong)
