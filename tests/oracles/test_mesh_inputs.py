@@ -112,7 +112,8 @@ def test_meshio(tmp_path, shape, name):
     meshio.Mesh(shape.vertices, [("triangle", shape.faces)]).write(tmp_path / name)
     if name == "a.vtk":
         # meshio has no poly data.
-        failed = surfometry("measure", tmp_path / name, "--spacing", SPACING, status=1)
+        # Lines are broken where they are too long.
+        failed = " ".join(surfometry("measure", tmp_path / name, "--spacing", SPACING, status=1).split())
         assert "UNSTRUCTURED_GRID" in failed and "extract its surface" in failed
     else:
         check(tmp_path / name, shape)

@@ -151,3 +151,20 @@ def test_commands_of_a_page(page, stand_ins, tmp_path):
     shutil.copytree(stand_ins, folder)
     wrong = [f"$ {c}\n{found}" for c, shown in commands(page) if is_run(c) and (found := problem(c, shown, folder))]
     assert not wrong, "\n\n".join(wrong)
+
+
+def examples():
+    """Commands below the help of the program and of each of its commands; what stands three spaces off tells what for."""
+    names = re.findall(r"^  (\w+) ", surfometry("--help").split("Commands:")[1].split("Options:")[0], re.MULTILINE)
+    assert len(names) > 10
+    helps = [surfometry("--help"), *(surfometry(name, "--help") for name in names if name != "help")]
+    assert all("Examples:" in text for text in helps)
+    return [re.split(r" {3,}", line)[0] for text in helps for line in re.findall(r"^  (surfometry .*)$", text, re.MULTILINE)]
+
+
+def test_examples_of_the_help(stand_ins, tmp_path):
+    folder = tmp_path / "files"
+    shutil.copytree(stand_ins, folder)
+    made_before = ["surfometry measure scans/*.nii.gz --shard 1/1 -o shard-1.jsonl", "surfometry measure scan.nii.gz -o results.json"]
+    wrong = [f"$ {c}\n{found}" for c in [*made_before, *examples()] if (found := problem(c, [], folder))]
+    assert not wrong, "\n\n".join(wrong)

@@ -1,6 +1,6 @@
 //! What a person sees of a run on stderr: a bar where that is a terminal, failures, notes; and Ctrl-C.
 
-use crate::output::say;
+use crate::output::{one_line, say};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::IsTerminal;
 use std::sync::{Mutex, PoisonError};
@@ -83,17 +83,17 @@ fn show(event: &Event, bar: &ProgressBar, voice: Voice, warned: &Mutex<Vec<Strin
         }
     };
     match *event {
-        Event::Started { input } => bar.set_message(input.to_owned()),
+        Event::Started { input } => bar.set_message(one_line(input).into_owned()),
         Event::Slices { input, done, of, labels } => {
             warn_once(input, labels);
-            bar.set_message(format!("{input}, slice {done} of {of}"));
+            bar.set_message(format!("{}, slice {done} of {of}", one_line(input)));
         }
         Event::Object { input, number, of } => {
             warn_once(input, of);
-            bar.set_message(format!("{input}, object {number} of {of}"));
+            bar.set_message(format!("{}, object {number} of {of}", one_line(input)));
         }
-        Event::Note { input, text } => say_above(&format!("{input}: {text}")),
-        Event::Failed { input, error } => say_above(&format!("{input}: {error}")),
+        Event::Note { input, text } => say_above(&format!("{}: {text}", one_line(input))),
+        Event::Failed { input, error } => say_above(&format!("{}: {error}", one_line(input))),
         Event::Finished { input } => {
             bar.inc(1);
             if voice.memory {

@@ -2,28 +2,28 @@
 
 pub(crate) const PROGRAM: &str = "\
 Examples:
-  surfometry bone.nii.gz                               numbers of each label: the command is measure
-  surfometry measure scans/*.nii.gz -o results.csv     a table of many
-  surfometry map bone.nii.gz --png bone.png            a picture
-  surfometry report bone.nii.gz -o bone.html           a page to keep
-  surfometry phantom:torus                             without a file at hand
+  surfometry bone.nii.gz                              numbers of each label
+  surfometry measure scans/*.nii.gz -o results.csv    a table of many
+  surfometry map bone.nii.gz --png bone.png           a picture
+  surfometry report bone.nii.gz -o bone.html          a page to keep
+  surfometry phantom:torus                            without a file at hand
 `surfometry COMMAND -h` shows the options that most need, `--help` all.";
 
 pub(crate) const MEASURE: &str = "\
 Examples:
   surfometry measure scan1.nii.gz scan2.mha -o results.csv
   surfometry measure vertebrae.nii.gz --label 20-22 --details
-  surfometry measure ct.nii.gz --threshold 226.. --largest-component --fill-cavities
+  surfometry measure ct.nii.gz --threshold 226.. --largest-component
   surfometry measure scan.nii.gz --sigma 1.5 --png scan.png
   surfometry measure array.npy --spacing 0.5,0.5,1.0";
 
 pub(crate) const MAP: &str = "\
 Examples:
   surfometry map bone.nii.gz --png bone.png
-  surfometry map bone.nii.gz -o bone.vtp                                  for ParaView, 3D Slicer
-  surfometry map vertebrae.nii.gz -o spine.pdf --together --size 85mm --title \"L1 to L3\"
+  surfometry map bone.nii.gz -o bone.vtp    for ParaView, 3D Slicer
+  surfometry map vertebrae.nii.gz -o spine.pdf --together --title \"L1 to L3\"
   surfometry map scan.nii.gz -o map.nii.gz --voxels mean-curvature,phi
-  surfometry map scan.nii.gz --against later.nii.gz --quantity distance --png change.png";
+  surfometry map scan.nii.gz --against later.nii.gz -o change.vtp";
 
 pub(crate) const REPORT: &str = "\
 Examples:
@@ -74,3 +74,8 @@ Examples:
 pub(crate) const RERUN: &str = "\
 Examples:
   surfometry rerun results.json";
+
+pub(crate) const GENERATE: &str = "\
+Examples:
+  surfometry generate man -o man
+  surfometry generate bash > surfometry.bash";

@@ -10,7 +10,7 @@ use surfometry::runs::{DocumentForm, Journal, Plan, RunHead, Shard};
 pub(crate) struct JournalOptions {
     /// Measures every N-th input only, beginning with the I-th, for one of N machines or jobs; -o FILE.jsonl is a shard
     /// then, of which `surfometry merge` makes a table, CSV or JSON
-    #[arg(long, value_name = "I/N", requires = "output", conflicts_with_all = ["png", "format"])]
+    #[arg(long, value_name = "I/N", requires = "output", conflicts_with_all = ["png", "format"], allow_hyphen_values = true)]
     shard: Option<Shard>,
     /// Goes on where an earlier run of the same command was killed, and leaves out what it has measured, unless a file
     /// changed since; what failed is tried again. What is finished is in FILE.journal, of a shard in FILE itself

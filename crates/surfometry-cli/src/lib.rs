@@ -46,6 +46,7 @@ enum Command {
     Reference(commands::reference::Args),
     Compare(commands::compare::Args),
     Validate(commands::validate::Args),
+    Generate(commands::generate::Args),
 }
 
 /// Does what the arguments say, of which the first is the program's name, and returns the exit status.
@@ -74,6 +75,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> u8 {
         Command::Reference(args) => commands::reference::run(&args, cli.quiet),
         Command::Compare(args) => commands::compare::run(&args, cli.quiet),
         Command::Validate(args) => commands::validate::run(&args, cli.quiet),
+        Command::Generate(args) => commands::generate::run(&args, Cli::command()),
     };
     outcome.unwrap_or_else(|error| {
         output::say(&words_of(&error));

@@ -79,17 +79,24 @@ pub(crate) struct NameOptions {
     /// Names of labels, which win over the input's own: nnU-Net's dataset.json, any JSON, CSV or TSV of labels and names, a
     /// table of FreeSurfer, 3D Slicer or ITK-SNAP
     #[arg(long, value_name = "FILE", value_parser = label_names)]
-    names: Option<LabelTable>,
+    names: Option<NamesFile>,
+}
+
+/// A table of names, and the file that it was read from.
+#[derive(Debug, Clone)]
+struct NamesFile {
+    file: String,
+    table: LabelTable,
 }
 
 impl NameOptions {
     pub(crate) fn table(&self) -> LabelTable {
-        self.names.clone().unwrap_or_default()
+        self.names.as_ref().map(|names| names.table.clone()).unwrap_or_default()
     }
 }
 
-fn label_names(path: &str) -> Result<LabelTable, ReadError> {
-    read_label_names_warning(path, say)
+fn label_names(path: &str) -> Result<NamesFile, ReadError> {
+    Ok(NamesFile { file: path.to_owned(), table: read_label_names_warning(path, say)? })
 }
 
 /// What a file does not say of its voxels, or not right.
@@ -128,6 +135,17 @@ impl InputSelection {
     /// As of [`Choices::plan`].
     pub(crate) fn plan(&self) -> Result<Plan> {
         Ok(self.choices().plan(CurvatureScale::AsMeasured)?)
+    }
+
+    /// All files that are read for some inputs, which no output may replace: the inputs, the names of their labels, and more.
+    pub(crate) fn files_read<'a>(
+        &self,
+        inputs: &[String],
+        more: impl IntoIterator<Item = &'a str>,
+    ) -> Vec<String> {
+        let names = self.names.names.iter().map(|names| names.file.clone());
+        let others = names.chain(more.into_iter().map(str::to_owned));
+        inputs.iter().cloned().chain(others).collect()
     }
 
     fn choices(&self) -> Choices {
@@ -211,6 +229,15 @@ impl MeasureOptions {
     /// The plan that the options describe, checked.
     pub(crate) fn plan(&self, curvature: CurvatureScale) -> Result<Plan> {
         Ok(self.choices().plan(curvature)?)
+    }
+
+    /// As [`InputSelection::files_read`].
+    pub(crate) fn files_read<'a>(
+        &self,
+        inputs: &[String],
+        more: impl IntoIterator<Item = &'a str>,
+    ) -> Vec<String> {
+        self.selection.files_read(inputs, more)
     }
 
     /// Where a map's curvature is taken, if nothing is said of it.

@@ -40,13 +40,13 @@ pub(crate) struct PictureOptions {
     #[arg(long, value_name = "QUANTITY", default_value = "phi", value_parser = one_of::<VoxelQuantity>())]
     on_slices: VoxelQuantity,
     /// Width of pictures, as 85mm or 1200px; text keeps its size [default: what is in them takes]
-    #[arg(long, value_name = "MM|PX", value_parser = width)]
+    #[arg(long, value_name = "MM|PX", value_parser = width, allow_hyphen_values = true)]
     size: Option<PictureWidth>,
     /// Pictures, a file each
     #[arg(long, value_delimiter = ',', default_value = "surface", value_parser = one_of::<PictureKind>())]
     picture: Vec<PictureKind>,
     /// Dots per inch of PNG pictures, at most 1200
-    #[arg(long, default_value = "192", value_parser = clap::value_parser!(u16).range(24..=1200))]
+    #[arg(long, default_value = "192", value_parser = clap::value_parser!(u16).range(24..=1200), allow_hyphen_values = true)]
     dpi: u16,
 }
 

@@ -424,7 +424,7 @@ fn a_missing_label_fails_alone() {
     }
     let mapped = run_in(folder.path(), &["map", &path, "--label", "2-4", "-o", "m.ply"]);
     assert_eq!(mapped.status.code(), Some(1));
-    assert!(folder.path().join("m_label-4.ply").exists(), "{}", text(&mapped.stdout));
+    assert!(folder.path().join("m.ply").exists(), "{}", text(&mapped.stdout));
 }
 
 /// `surfometry scan.nii.gz` is `surfometry measure scan.nii.gz`; a slip in a command's name is not.
@@ -453,10 +453,12 @@ fn an_object_that_the_blur_removes_is_no_failure() {
 #[test]
 fn images_of_different_spacing_get_a_warning() {
     let two = ["measure", BALL, "phantom:ball?radius=10&spacing=1,1,2"];
-    let warned = run(&two);
+    // Numbers of the blurred surface are not comparable then; those of the object are.
+    let blurred = ["--level", "0.45"];
+    let warned = run(&[&two[..], &blurred].concat());
     assert_eq!(warned.status.code(), Some(0));
     assert!(text(&warned.stderr).contains("use --sigma 2.5198"), "{}", text(&warned.stderr));
-    for silent in [&["--sigma", "2"][..], &["--quiet"]] {
+    for silent in [&[][..], &["--level", "0.45", "--sigma", "2"], &["--level", "0.45", "--quiet"]] {
         assert!(run(&[&two[..], silent].concat()).stderr.is_empty());
     }
     // A result does not depend on what else is measured in the run.
@@ -583,4 +585,79 @@ fn meshes_are_measured() {
     let open = run(&["measure", &file("holed.stl"), "--spacing", "1,1,1"]);
     assert_eq!(open.status.code(), Some(1));
     assert!(text(&open.stderr).contains("is not closed: 3 edges"), "{}", text(&open.stderr));
+}
+
+/// The list in the help is that of the shapes, and whoever slips is told the keys of his own.
+#[test]
+fn phantoms_have_the_keys_that_the_help_lists() {
+    let help = text(&run(&["measure", "--help"]).stdout).split_whitespace().collect::<Vec<_>>().join(" ");
+    for name in surfometry::phantoms::PHANTOM_NAMES {
+        let wrong = text(&run(&["measure", &format!("phantom:{name}?wrong=1")]).stderr);
+        let taken = wrong.split_once("it takes ").expect("its keys").1.trim();
+        let own = taken.strip_suffix(", spacing, rotate, shift, jitter, flips").expect("the pose's");
+        assert!(help.contains(&format!("{name} ({own})")), "{name} ({own}) in {help}");
+    }
+}
+
+/// A page under another kind's name would be opened as that.
+#[test]
+fn a_report_is_a_page() {
+    let folder = tempfile::tempdir().unwrap();
+    for name in ["a.pdf", "a.txt"] {
+        let refused = run_in(folder.path(), &["report", BALL, "-o", name]);
+        assert_eq!(refused.status.code(), Some(2));
+        assert!(text(&refused.stderr).contains("must end in .html or .htm"), "{}", text(&refused.stderr));
+        assert!(!folder.path().join(name).exists());
+    }
+    for name in ["a.HTM", "a"] {
+        assert!(run_in(folder.path(), &["report", BALL, "-o", name]).status.success());
+        assert!(folder.path().join(name).is_file());
+    }
+}
+
+/// Names neither command the terminal, nor turn its lines around, nor begin new ones.
+#[cfg(unix)]
+#[test]
+fn names_stay_names() {
+    let folder = tempfile::tempdir().unwrap();
+    let name = "a\u{1b}31m\u{202e}gpj.exe\nb.nii";
+    let shown = "a\\u{1b}31m\\u{202e}gpj.exe\\nb.nii";
+    let failed = run_in(folder.path(), &["measure", name]);
+    assert_eq!(failed.status.code(), Some(1));
+    assert!(text(&failed.stderr).starts_with(&format!("surfometry: {shown}: ")), "{}", text(&failed.stderr));
+    assert!(text(&failed.stdout).contains(shown), "{}", text(&failed.stdout));
+    run_in(folder.path(), &["phantom", "ball?radius=5", "-o", "ball.nii"]);
+    std::fs::rename(folder.path().join("ball.nii"), folder.path().join(name)).unwrap();
+    let measured = run_in(folder.path(), &["measure", name, "--quiet"]);
+    assert!(text(&measured.stdout).starts_with(&format!("{shown}\n")), "{}", text(&measured.stdout));
+}
+
+/// Negative numbers are told what is wrong with them, not that they look like options.
+#[test]
+fn negative_numbers_are_no_options() {
+    for (command, option, value, words) in [
+        ("map", "--size", "-5mm", "-5"),
+        ("map", "--dpi", "-1", "24..=1200"),
+        ("measure", "--shard", "-1/2", "which shard, and of how many"),
+    ] {
+        let refused = run(&[command, BALL, "-o", "x.png", option, value]);
+        let said = text(&refused.stderr);
+        assert!(
+            refused.status.code() == Some(2) && said.contains(words) && !said.contains("use '--"),
+            "{said}"
+        );
+    }
+}
+
+/// Dots per inch are those of charts too.
+#[test]
+fn a_chart_has_its_dots() {
+    let folder = tempfile::tempdir().unwrap();
+    let width = |dpi: &str| {
+        let sweep = ["sweep", "phantom:ball?radius=6", "--range", "1:2:2", "--chart", "c.png", "--dpi", dpi];
+        assert!(run_in(folder.path(), &sweep).status.success());
+        let png = std::fs::read(folder.path().join("c.png")).unwrap();
+        u32::from_be_bytes(png[16..20].try_into().unwrap())
+    };
+    assert!(width("192").abs_diff(2 * width("96")) <= 2);
 }

@@ -420,3 +420,58 @@ fn pictures_alone_show_the_original_surface() {
     assert_eq!(refused.status.code(), Some(1));
     assert!(text(&refused.stderr).contains("there is no slice z = 900"), "{}", text(&refused.stderr));
 }
+
+/// A later image that shows a part, another place or an object too thin is no loss of the object.
+#[test]
+fn later_images_that_show_less() {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, slices: std::ops::Range<usize>, away: usize, height: f64, label: u8| {
+        let inside = |i: usize| {
+            let place = [i % 40, i / 40 % 40, i / 1600 + slices.start].map(|v| v as f64 - 19.7);
+            place.iter().zip([12.0, 12.0, height]).map(|(v, radius)| (v / radius).powi(2)).sum::<f64>() < 1.0
+        };
+        let voxels: Vec<u8> = (0..1600 * slices.len()).map(|i| if inside(i) { label } else { 0 }).collect();
+        let header = format!(
+            "NRRD0005\ntype: uint8\ndimension: 3\nspace: right-anterior-superior\nsizes: 40 40 {}\nspace directions: (1,0,0) (0,1,0) \
+             (0,0,1)\nspace units: \"mm\" \"mm\" \"mm\"\nspace origin: ({away},0,{})\nencoding: raw\n\n",
+            slices.len(),
+            slices.start
+        );
+        std::fs::write(folder.path().join(name), [header.as_bytes(), &voxels].concat()).unwrap();
+    };
+    write("first.nrrd", 0..40, 0, 12.0, 1);
+    write("half.nrrd", 0..22, 0, 12.0, 1);
+    write("away.nrrd", 0..40, 900, 12.0, 1);
+    write("other.nrrd", 0..40, 0, 12.0, 2);
+    write("plate.nrrd", 0..40, 0, 1.8, 1);
+    let compared = |first: &str, later: &str, code: i32, words: &[&str]| {
+        let [json, csv] = ["json", "csv"].map(|ending| format!("{first}_{later}.{ending}"));
+        let done = run_in(folder.path(), &["map", first, "--against", later, "-o", &json, "-o", &csv]);
+        let said = text(&done.stderr);
+        assert_eq!(done.status.code(), Some(code), "{later}: {said}");
+        for words in words {
+            assert!(said.contains(words), "{later}: {words}: {said}");
+        }
+        let read = std::fs::read(folder.path().join(json)).unwrap();
+        serde_json::from_slice::<Value>(&read).unwrap()["results"][0].clone()
+    };
+    let found = compared("first.nrrd", "half.nrrd", 0, &["image-beside"]);
+    let flags = found["flags"].to_string();
+    for told in ["the later image half.nrrd: ", "% of the area has no distance", "touches-border"] {
+        assert!(flags.contains(told), "{told}: {flags}");
+    }
+    let against = &found["against"];
+    assert!((0.4..0.8).contains(&against["share_without_distance"].as_f64().unwrap()), "{against}");
+    assert!(against["distance_mm"]["mean"].as_f64().unwrap().abs() < 0.02, "{against}");
+    assert_eq!(against["distance_mm"]["share_beyond_noise"], 0.0);
+    assert!(std::fs::read_to_string(folder.path().join("first.nrrd_half.nrrd.csv")).unwrap().contains("NaN"));
+    let apart = ["the later image away.nrrd: it knows nothing of the object", "x 899.5 to", "x 7.5 to"];
+    assert!(compared("first.nrrd", "away.nrrd", 1, &apart)["against"].is_null());
+    compared("first.nrrd", "other.nrrd", 1, &["the later image other.nrrd: no label 1 in it; it holds 2"]);
+    let thin = ["the later image plate.nrrd: ", "compensation-failed", "no distance"];
+    assert!(compared("first.nrrd", "plate.nrrd", 1, &thin)["against"].is_null());
+    let thin = compared("plate.nrrd", "first.nrrd", 1, &["compensation-failed", "no distance"]);
+    assert!(thin["against"].is_null());
+    let done = run_in(folder.path(), &["map", "first.nrrd", "--against", "none.nrrd", "-o", "c.json"]);
+    assert_eq!(text(&done.stderr).matches("none.nrrd").count(), 1, "{}", text(&done.stderr));
+}

@@ -173,6 +173,41 @@ fn what_inputs_rest_on_is_not_overwritten() {
 
 /// What cannot be written is told before anything is measured, by one status in all commands.
 #[cfg(target_os = "linux")]
+/// What is read beside the inputs is no more overwritten than they are.
+#[test]
+fn what_is_read_beside_is_not_overwritten() {
+    let desk = Desk::new();
+    desk.ball("scan.nii");
+    for name in ["dose.nii", "zones.nii", "scan_map.nii", "names_regions.csv"] {
+        desk.ball(name);
+    }
+    let names = "label,name\n1,bone\n";
+    for name in ["names.csv", "names_interfaces.csv"] {
+        std::fs::write(desk.path(name), names).unwrap();
+    }
+    for line in [
+        "map scan.nii --sample dose.nii -o dose.nii",
+        "map scan.nii --sample d=dose.nii -o x.ply -o dose.nii",
+        "map scan.nii --regions zones.nii -o zones.nii",
+        "map scan.nii --names names.csv -o names.csv",
+        "measure scan.nii --names names.csv -o names.csv",
+        "measure scan.nii --regions names_regions.csv -o names.csv",
+        "measure scan.nii --interfaces --names names_interfaces.csv -o names.csv",
+        "report scan.nii --names names.csv -o names.csv",
+        "reference scan.nii --names names.csv -o names.csv",
+        "sweep scan.nii --range 1:2:2 --names names.csv -o names.csv",
+        "embed scan.nii --names names.csv -o names.csv",
+    ] {
+        let refused = desk.run(&line.split(' ').collect::<Vec<_>>());
+        assert_eq!(refused.status.code(), Some(2), "{line}: {}", text(&refused.stderr));
+        assert_eq!(std::fs::read_to_string(desk.path("names.csv")).unwrap(), names, "{line}");
+    }
+    let ball = std::fs::read(desk.path("ball.nii")).unwrap();
+    for name in ["dose.nii", "zones.nii", "names_regions.csv"] {
+        assert_eq!(std::fs::read(desk.path(name)).unwrap(), ball, "{name}");
+    }
+}
+
 #[test]
 fn outputs_are_tried_before_the_work() {
     let desk = Desk::new();

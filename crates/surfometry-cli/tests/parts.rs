@@ -159,3 +159,80 @@ fn samples_stand_at_vertices_and_beside_curvature() {
     let area: f64 = regions.iter().map(|part| part["area_mm2"].as_f64().unwrap()).sum();
     assert!((area / record["mesh"]["surface_area_mm2"].as_f64().unwrap() - 1.0).abs() < 1e-9, "{area}");
 }
+
+/// Images that lie elsewhere, or are of another kind, are failures with words of their own, not numbers.
+#[test]
+fn images_that_tell_nothing_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    images(folder.path());
+    let away = |name: &str, far: f64, value: &dyn Fn(usize) -> f32| {
+        let here = grid([1.3; 3], 40.0);
+        let affine = Affine { origin: here.affine().origin.map(|v| v + far), ..*here.affine() };
+        let lattice = Grid::new(here.dimensions(), affine).unwrap();
+        let values: Vec<f32> = (0..lattice.voxel_count()).map(value).collect();
+        write_voxel_map(folder.path().join(name), &lattice, &values, name).unwrap();
+    };
+    away("far.nii.gz", 1000.0, &|_| 1.0);
+    away("corners.nii.gz", 0.0, &|n| if n == 0 || n == 26_999 { 1.0 } else { 0.0 });
+    away("grey.nii.gz", 0.0, &|n| (n.wrapping_mul(2_654_435_761) >> 7 & 511) as f32);
+    away("half.nii.gz", 0.0, &|_| 0.5);
+    away("same.nii.gz", 0.0, &|_| 5.0);
+    away("gaps.nii.gz", 0.0, &|n| if n % 30 < 15 { f32::NAN } else { n as f32 });
+    away("infinite.nii.gz", 0.0, &|n| if n == 7 { f32::INFINITY } else { 1.0 });
+    let run = |args: &[&str], code: i32, words: &[&str]| {
+        let done = run_in(folder.path(), args);
+        let said = format!("{}{}", text(&done.stdout), text(&done.stderr));
+        assert_eq!(done.status.code(), Some(code), "{args:?}: {said}");
+        for words in words {
+            assert!(said.contains(words), "{args:?}: {words}: {said}");
+        }
+        assert!(!said.contains("--threshold") && !said.contains("--embedding"), "{args:?}: {said}");
+        said
+    };
+    let measured = |file: &str, code: i32, words: &[&str]| {
+        run(&["measure", "ball.nii.gz", "--label", "3+5", "--regions", file], code, words)
+    };
+    measured("far.nii.gz", 1, &["regions far.nii.gz: it knows nothing of the object", "x 9", "x -1"]);
+    measured("grey.nii.gz", 1, &["regions grey.nii.gz: its values are no labels"]);
+    measured("half.nii.gz", 1, &["regions half.nii.gz: its values are no labels"]);
+    let missing = measured("none.nii.gz", 1, &["regions none.nii.gz: "]);
+    // Once in the table and once on stderr.
+    assert!(missing.lines().all(|line| line.matches("none.nii.gz").count() < 2), "{missing}");
+    measured("corners.nii.gz", 0, &["image-beside"]);
+    // Layers of two segments, apart from each other and not.
+    let segments = |name: &str, from: usize| {
+        let layers = (0..8000).flat_map(|n| [u8::from(n % 20 < 10), u8::from(n % 20 >= from)]);
+        let segment =
+            |n: usize| format!("Segment{n}_Name:=s{n}\nSegment{n}_LabelValue:=1\nSegment{n}_Layer:={n}\n");
+        let header = format!(
+            "NRRD0004\ntype: uchar\ndimension: 4\nspace: right-anterior-superior\nsizes: 2 20 20 20\nkinds: list domain domain domain\n\
+             space directions: none (2,0,0) (0,2,0) (0,0,2)\nspace origin: (-19,-19,-19)\nencoding: raw\n{}{}\n",
+            segment(0),
+            segment(1)
+        );
+        std::fs::write(folder.path().join(name), [header.into_bytes(), layers.collect()].concat()).unwrap();
+    };
+    segments("joint.seg.nrrd", 8);
+    segments("apart.seg.nrrd", 10);
+    measured("joint.seg.nrrd", 1, &["regions joint.seg.nrrd: its segments overlap"]);
+    measured("apart.seg.nrrd", 0, &["s0", "s1"]);
+    // The sample, and what the flags say.
+    let mapped = |file: &str, code: i32, words: &[&str]| {
+        let output = format!("{file}.json");
+        run(&["map", "ball.nii.gz", "--label", "3+5", "--sample", file, "-o", &output], code, words);
+        let read = std::fs::read(folder.path().join(output)).unwrap();
+        let record = serde_json::from_slice::<Value>(&read).unwrap()["results"][0].clone();
+        (record["samples"][0].clone(), record["flags"].to_string())
+    };
+    let (sample, _) = mapped("far.nii.gz", 1, &["sample far.nii.gz: it knows nothing of the object"]);
+    assert!(sample["mean"].is_null() && sample["share_outside"] == 1.0, "{sample}");
+    let (sample, flags) = mapped("same.nii.gz", 0, &["image-beside"]);
+    assert!(flags.contains("sample same: it is the same everywhere"), "{flags}");
+    let correlation = &sample["correlations"][0];
+    assert!(correlation["spearman"].is_null() && correlation["pearson"].is_null(), "{sample}");
+    assert!((sample["mean"].as_f64().unwrap() - 5.0).abs() < 1e-9, "{sample}");
+    let (sample, flags) = mapped("gaps.nii.gz", 0, &["image-beside"]);
+    assert!(flags.contains("sample gaps: ") && flags.contains("% of the area has no value"), "{flags}");
+    assert!((0.3..0.7).contains(&sample["share_outside"].as_f64().unwrap()), "{sample}");
+    run(&["map", "ball.nii.gz", "--sample", "infinite.nii.gz", "-o", "m.ply"], 1, &["write NaN"]);
+}

@@ -169,6 +169,28 @@ fn shards_and_resumes_that_are_no_commands() {
     refused(&["phantom:ball?radius=6", "--shard", "1/3", "-o", "a.jsonl"], "named twice");
 }
 
+/// A run that is refused leaves the files of the earlier one, and none of its own.
+#[test]
+fn a_refused_resume_leaves_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let ball = ["phantom:ball?radius=6".to_owned()];
+    let resumed = |more: &[&str]| {
+        let run = run_in(folder, &measure(&ball, &[&["--resume", "-o", "r.csv"], more].concat()));
+        let mut names: Vec<_> = fs::read_dir(folder)
+            .unwrap()
+            .map(|file| file.unwrap().file_name().into_string().unwrap())
+            .collect();
+        names.sort();
+        assert_eq!(names, ["r.csv", "r.csv.journal"]);
+        run.status.code()
+    };
+    assert_eq!(resumed(&[]), Some(0));
+    assert_eq!(resumed(&["--sigma", "3"]), Some(2));
+    fs::write(folder.join("r.csv.journal"), "garbage\n").unwrap();
+    assert_eq!(resumed(&[]), Some(2));
+}
+
 /// Killed again and again, in whatever moment, a run comes to the table of a run in one go; what was in its journal is
 /// never measured again.
 #[cfg(unix)]

@@ -15,7 +15,8 @@ use surfometry::io::{MeshDocument, write_mesh as write};
 use surfometry::measurement::{Outside, VoxelQuantity};
 use surfometry::pictures::color_scale;
 use surfometry::runs::{
-    Against, Collected, MapStyle, MappedSurface, Opened, Plan, RunError, SurfaceTask, VoxelMapTask,
+    Against, BesideRole, Collected, MapStyle, MappedSurface, Opened, Plan, RunError, SurfaceTask,
+    VoxelMapTask,
 };
 use surfometry::surface::{Mesh, VertexArray, VertexValues};
 
@@ -50,7 +51,7 @@ fn compared(
 ) -> Result<Collected<MappedSurface>, RunError> {
     let (open, name) = (plan.open.clone(), later.name().to_owned());
     let unread = |error| RunError::Beside {
-        what: "the later image",
+        what: BesideRole::Later,
         file: name,
         source: Box::new(RunError::Input(error)),
     };

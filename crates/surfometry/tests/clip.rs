@@ -71,6 +71,30 @@ fn rods_are_measured_between_the_cuts() {
     }
 }
 
+/// What a rod's open rims let M scatter by is in its error: rods of many tilts, whose terraces meet the sections at any angle.
+#[test]
+fn open_rims_are_in_the_errors() {
+    let mut scores = Vec::new();
+    for n in 0..24 {
+        let (t, radius) = (f64::from(n), 9.0 + 0.2 * f64::from(n));
+        let pose = Pose::new([1.4 * t, 3.0 * (0.7 * t).sin(), 15.0 * t], [0.37 * t, 0.21 * t, 0.13 * t]);
+        let mask = cut(&Capsule { radius, length: 400.0 }, &pose, [100, 100, 48], [1.0; 3]);
+        let (measured, clip) = excluded(&mask);
+        let [low, high] = ends(&mask, &clip, 2);
+        let length = (pose.to_shape([0.0, 0.0, high])[2] - pose.to_shape([0.0, 0.0, low])[2]).abs();
+        // Between planes across z a tilted rod is longer than its axis' share of their distance.
+        let length = (high - low).powi(2) / length;
+        let error = measured.standard_error.total_mean_curvature_mm.unwrap();
+        let off = measured.values.total_mean_curvature_mm.unwrap() - PI * length;
+        println!("tilt {:.0}: {:+.2} % z {:+.2}", 1.4 * t, 100.0 * off / (PI * length), off / error);
+        scores.push(off / error);
+    }
+    let within = scores.iter().filter(|z| z.abs() < 2.0).count() as f64 / scores.len() as f64;
+    let rms = common::rms(scores.iter().copied());
+    println!("rms z {rms:.2}, within two errors {within:.2}");
+    assert!(within > 0.9 && rms < 1.1, "{within} {rms}");
+}
+
 /// A ball cut by one plane, and by three that meet: the curvature of the boundary, corners included, is what
 /// the surface lacks.
 #[test]

@@ -33,7 +33,6 @@ fn labels(interface: &Interface) -> [i64; 2] {
     interface.labels.each_ref().map(|group| group.labels()[0])
 }
 
-/// Of labels that meet in a line alone, what is counted may come out below 0, and is null then.
 fn area(interface: &Interface) -> f64 {
     interface.values.surface_area_mm2.unwrap_or_default()
 }
@@ -196,6 +195,79 @@ fn thin_layers() {
         sides.standard_error.surface_area_mm2.unwrap() / 8.0 / PI
     );
     assert!(off.abs() < 2.0 * sides.standard_error.surface_area_mm2.unwrap(), "{sides:?}");
+}
+
+/// What pairs across a thin layer count for is not known where its sides touch elsewhere: a marrow rod in a cortex with open
+/// ends, and sheets that lie on each other, of two to four voxels. No contact is null.
+#[test]
+fn thin_layers_with_open_ends() {
+    let mut scores = Scores::default();
+    for (n, wall) in (0..).zip([2.0, 2.5, 3.0, 4.0]) {
+        let turned = &poses()[n % poses().len()];
+        let along = Pose::new([0.0; 3], [0.2, 0.3, 0.0]);
+        for pose in [turned, &along] {
+            let rod = |p: [f64; 3]| match libm::hypot(p[0], p[1]) {
+                _ if p[2].abs() >= 15.0 => 0,
+                r if r < 6.0 => 1,
+                r => 2 * u8::from(r < 6.0 + wall),
+            };
+            let found = interfaces(&image(26.0, [1.0; 3], pose, rod));
+            let outer = 6.0 + wall;
+            let ring = 2.0 * PI * (outer * outer - 36.0) + 60.0 * PI * outer;
+            assert_eq!(found.len(), 3);
+            for (interface, exact) in found.iter().zip([72.0 * PI, ring, 360.0 * PI]) {
+                scores.add(&format!("cortex {wall}"), interface, exact, 90.0);
+            }
+            let sheets = |p: [f64; 3]| match (p[0], p[1].abs().max(p[2].abs()) < 20.0) {
+                (x, true) if x.abs() < wall => 1 + u8::from(x > 0.0),
+                _ => 0,
+            };
+            let found = interfaces(&image(34.0, [1.0; 3], pose, sheets));
+            let sides = 1600.0 + 160.0 * wall;
+            for (interface, exact) in found.iter().zip([sides, sides, 1600.0]) {
+                scores.add(&format!("sheets {wall}"), interface, exact, 90.0);
+            }
+        }
+    }
+    scores.assert_covered();
+}
+
+/// A cut along the grid lies anywhere within a spacing, which the areas that end there are off by.
+#[test]
+fn halves_cut_along_the_grid() {
+    let mut scores = Scores::default();
+    for n in 0..12 {
+        let (radius, off) = (12.0 + 0.37 * f64::from(n), 0.083 * f64::from(n) - 0.4);
+        let half = |p: [f64; 3]| {
+            let inside = p.iter().map(|v| v * v).sum::<f64>() < radius * radius;
+            u8::from(inside) * (1 + u8::from(p[0] > off))
+        };
+        let found = interfaces(&image(radius + 3.0, [1.0; 3], &Pose::new([0.0; 3], [0.0; 3]), half));
+        let caps = [2.0 * PI * radius * (radius + off), 2.0 * PI * radius * (radius - off)];
+        for (interface, exact) in found.iter().zip([caps[0], caps[1], PI * (radius * radius - off * off)]) {
+            scores.add("half", interface, exact, 9.0);
+        }
+    }
+    scores.assert_covered();
+}
+
+/// Rough masks: the counted area follows roughness that a smooth surface has not, and its error says so.
+#[test]
+fn rough_masks() {
+    let mut scores = Scores::default();
+    for (pose, n) in poses().iter().zip(1_u32..) {
+        // A tooth of a voxel at one voxel of eight.
+        let noise = move |p: [f64; 3]| {
+            let mixed = |hash: u32, v: f64| {
+                (hash ^ (v + 100.0).floor() as u32).wrapping_mul(2_654_435_769).rotate_left(15)
+            };
+            if p.into_iter().fold(n, mixed) % 8 == 0 { 1.2 } else { 0.0 }
+        };
+        let rough = |p: [f64; 3]| u8::from(p.iter().map(|v| v * v).sum::<f64>().sqrt() < 18.0 + noise(p));
+        let found = interfaces(&image(24.0, [1.0; 3], pose, rough));
+        scores.add("rough", &found[0], 4.0 * PI * 18.15 * 18.15, 40.0);
+    }
+    scores.assert_covered();
 }
 
 /// Any number of threads gives the same bits; united labels are one object; a label that two objects have is refused.

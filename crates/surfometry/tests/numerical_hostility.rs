@@ -66,6 +66,23 @@ fn in_time(name: &str, work: impl FnOnce()) {
     assert!(start.elapsed() < PATIENCE, "{name}: {:?}", start.elapsed());
 }
 
+/// Small images that are all surface: what corrections of them would take is known before they are begun.
+#[test]
+fn small_images_that_are_all_surface() {
+    let grid = |n: usize| Grid::axis_aligned([n; 3], [1.0; 3]).unwrap();
+    let mixed = |hash: u32, v: usize| (hash ^ v as u32).wrapping_mul(2_654_435_769).rotate_left(15);
+    let hash = |index: [usize; 3]| index.into_iter().fold(7, mixed);
+    let masks = [
+        ("a checkerboard", Mask::from_predicate(grid(55), |index| index.iter().sum::<usize>() % 2 == 0)),
+        ("diagonal stripes", Mask::from_predicate(grid(60), |index| index.iter().sum::<usize>() % 4 < 2)),
+        ("noise", Mask::from_predicate(grid(60), |index| hash(index) % 2 == 0)),
+        ("thin noise", Mask::from_predicate(grid(70), |index| hash(index) % 10 == 0)),
+    ];
+    for (name, mask) in masks {
+        in_time(name, || check(name, &Measurement::default().run_settled(mask).unwrap()));
+    }
+}
+
 /// Twelve masks at eight spacings from 1e-6 to 1e3 mm, as cubes and 50 times as long as wide, at every blur from 0.3 voxels
 /// to the image's size, in each embedding of a mask.
 #[test]

@@ -7,8 +7,8 @@ use std::f64::consts::{PI, TAU};
 use surfometry::Measurement;
 use surfometry::phantoms::{Ball, Ellipsoid};
 use surfometry::statistics::Places;
-use surfometry::surface::{LocalQuantity, SampledVolume, Surface};
-use surfometry::volume::{Affine, FieldImage, FieldValues, Grid};
+use surfometry::surface::{LocalQuantity, Mesh, SampleSummary, SampledVolume, Surface};
+use surfometry::volume::{Affine, FieldImage, FieldValues, Grid, Samples, Slab, SlabReader, VolumeError};
 
 /// A function of the world on a turned lattice around its origin.
 fn volume(half: f64, spacing: [f64; 3], value: impl Fn([f64; 3]) -> f64) -> SampledVolume {
@@ -129,7 +129,7 @@ fn intervals_hold_for_independent_volumes() {
     }
 }
 
-/// Beyond a volume its nearest value stands, which is left out of statistics and counted.
+/// Beyond a volume there is no value; vertices there are left out of statistics and counted.
 #[test]
 fn outside_a_volume() {
     let mask = phantom(Ball { radius: 10.0 }, poses()[0], [1.0; 3]).labels().unwrap().mask(1);
@@ -137,9 +137,82 @@ fn outside_a_volume() {
     let small = volume(7.0, [1.0; 3], |p| p[2]);
     surface.samples = vec![small.on(&surface.mesh)];
     let sample = &surface.samples[0];
-    let outside = sample.inside.iter().filter(|inside| !**inside).count() as u64;
-    assert!(outside > 0 && sample.values.iter().all(|v| v.is_finite() && v.abs() < 10.0));
-    assert_eq!(sample.summary(&surface).vertices_outside, outside);
+    let outside = sample.values.iter().filter(|v| v.is_nan()).count() as u64;
+    assert!(outside > 0 && sample.values.iter().all(|v| v.is_nan() || v.abs() < 10.0));
+    let summary = sample.summary(&surface);
+    assert_eq!(summary.vertices_outside, outside);
+    assert!((0.1..0.9).contains(&summary.share_outside), "{}", summary.share_outside);
+    // What is left is even in z, but for where the volume's lattice ends.
+    assert!(summary.mean.unwrap().abs() < 1.0 && !summary.is_constant());
+    let far = volume(7.0, [1.0; 3], |p| p[2]).on(&Mesh {
+        vertices: surface.mesh.vertices.iter().map(|v| v.map(|c| c + 100.0)).collect(),
+        triangles: Vec::new(),
+    });
+    assert!(far.values.iter().all(|v| v.is_nan()));
+    let nothing = far.summary(&surface);
+    assert_eq!((nothing.mean, nothing.share_outside, nothing.correlations.len()), (None, 1.0, 0));
     let point = volume(7.0, [0.5; 3], |p| 3.0 * p[0] - p[1] + 0.5 * p[2]).at([1.234, -2.3, 0.77]);
-    assert!(point.1 && (point.0 - (3.0 * 1.234 + 2.3 + 0.385)).abs() < 1e-9, "{point:?}");
+    assert!((point - (3.0 * 1.234 + 2.3 + 0.385)).abs() < 1e-9, "{point:?}");
+}
+
+/// Voxels that are not a number have no value: vertices beside them neither, and all others theirs. Infinite ones are refused.
+#[test]
+fn voxels_without_a_value() {
+    let mut surface = ellipsoid([1.0; 3]);
+    let grid = Grid::new([60; 3], Affine { origin: [-30.0; 3], ..Affine::diagonal([1.0; 3]) }).unwrap();
+    let read = |value: &dyn Fn([f64; 3]) -> f32| {
+        let voxel = |n: usize| value(grid.affine().apply(grid.index_of(n).map(|i| i as f64)));
+        let samples = Samples::F32((0..grid.voxel_count()).map(voxel).collect());
+        SampledVolume::from_slabs("stress", &mut OneSlab { grid, samples: Some(samples) })
+    };
+    let gap = |p: [f64; 3]| if p[0] > 3.0 { f32::NAN } else { (2.0 * p[1]) as f32 };
+    surface.samples = vec![read(&gap).unwrap().on(&surface.mesh)];
+    for (place, value) in surface.mesh.vertices.iter().zip(&surface.samples[0].values) {
+        // The last voxel with a value lies at 3.
+        assert_eq!(value.is_nan(), place[0] > 3.0, "{place:?}: {value}");
+        assert!(value.is_nan() || (value - 2.0 * place[1]).abs() < 1e-4);
+    }
+    let summary = surface.samples[0].summary(&surface);
+    assert!(summary.share_outside > 0.1 && summary.correlations[0].pearson.unwrap().value.is_finite());
+    let infinite = |p: [f64; 3]| if p == [0.0; 3] { f32::INFINITY } else { 1.0 };
+    let index = [30; 3];
+    let refused = read(&infinite).err();
+    assert_eq!(refused, Some(VolumeError::InfiniteSample { index, value: f64::INFINITY }));
+}
+
+/// A volume that is the same everywhere, up to rounding, has neither correlation; a part that is the same is of one rank.
+#[test]
+fn rounding_is_no_correlation() {
+    let mut surface = ellipsoid([1.0; 3]);
+    surface.samples = vec![volume(24.0, [0.8, 0.7, 1.2], |_| 0.1).on(&surface.mesh)];
+    let values = &surface.samples[0].values;
+    assert!(values.iter().any(|v| *v != values[0]), "interpolation rounds");
+    let summary = surface.samples[0].summary(&surface);
+    assert!(summary.is_constant() && (summary.mean.unwrap() - 0.1).abs() < 1e-12);
+    assert!(summary.correlations.iter().all(|c| c.pearson.is_none() && c.spearman.is_none()));
+    let step = volume(24.0, [0.8, 0.7, 1.2], |p| if p[2] > 0.0 { 1.1 } else { 0.1 });
+    let clean = |v: f64| (v * 1e6).round() / 1e6;
+    let mut exact = step.on(&surface.mesh);
+    let rounded = exact.summary(&surface);
+    exact.values.iter_mut().for_each(|v| *v = clean(*v));
+    let of = |summary: &SampleSummary| summary.correlations[0].spearman.unwrap().value;
+    assert!((of(&rounded) - of(&exact.summary(&surface))).abs() < 1e-4);
+}
+
+/// A volume that comes in one piece.
+struct OneSlab {
+    grid: Grid,
+    samples: Option<Samples>,
+}
+
+impl SlabReader for OneSlab {
+    type Error = VolumeError;
+
+    fn grid(&self) -> &Grid {
+        &self.grid
+    }
+
+    fn next_slab(&mut self) -> Result<Option<Slab>, VolumeError> {
+        Ok(self.samples.take().map(|samples| Slab { slices: 0..self.grid.dimensions()[2], samples }))
+    }
 }

@@ -89,7 +89,11 @@ fn what_is_wrong_is_said_as_for_whole_images() {
         assert_eq!(streamed, measurement.run_labels(&image, &selection, |_, _| {}).unwrap_err().to_string());
         streamed
     };
-    assert!(of(Measurement::default(), "1,77").contains("77"));
+    assert!(of(Measurement::default(), "77,78").contains("77"));
+    // Where some occur, they are measured.
+    let mut reader = InSlabs { image: &image, slices: 40, next: 0 };
+    let streamed = Measurement::default().run_slabs(&mut reader, &"1,77".parse().unwrap(), |_| {}).unwrap();
+    assert!(streamed.results.len() == 1 && streamed.missing[0].to_string().contains("77"));
     assert!(of(Measurement::default().sigma_mm(-1.0), "all").contains("sigma"));
     // A blur that leaves nothing is no error, however wide it is.
     let mut reader = InSlabs { image: &image, slices: 40, next: 0 };

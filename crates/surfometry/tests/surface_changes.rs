@@ -37,8 +37,8 @@ fn compared(first: &Object, later: Mask) -> Compared {
     let later = first.comparable().prepare(later).unwrap();
     let (mut surface, later_surface) = (first.surface(), later.surface());
     let noise = [first.position_noise(), later.position_noise()];
-    let here = Placed { surface: &surface, noise: noise[0].as_ref() };
-    let there = Placed { surface: &later_surface, noise: noise[1].as_ref() };
+    let here = Placed { surface: &surface, noise: noise[0].as_ref(), known: first.field_of_view() };
+    let there = Placed { surface: &later_surface, noise: noise[1].as_ref(), known: later.field_of_view() };
     let changes = Surface::changes_to(here, there).unwrap();
     let back = Surface::changes_to(there, here).unwrap();
     surface.set_changes(&changes);
@@ -189,11 +189,62 @@ fn changes_do_not_depend_on_threads() {
     };
     assert_eq!(with_threads(1), with_threads(3));
     let surface = object.surface();
-    let here = Placed { surface: &surface, noise: None };
+    let here = Placed { surface: &surface, noise: None, known: None };
     let none = Surface::default();
-    assert_eq!(Surface::changes_to(here, Placed { surface: &none, noise: None }), None);
+    assert_eq!(Surface::changes_to(here, Placed { surface: &none, ..here }), None);
     let same = Surface::changes_to(here, here).unwrap();
     assert!(
         same.iter().all(|c| c.distance.abs() < 1e-6 && c.mean_curvature == 0.0 && c.distance_error.is_none())
     );
+}
+
+/// A later scan that shows half of a ball, and a first one that is cut: what lies outside either, and near the cuts, has no
+/// distance, and all else has that of two masks of one object.
+#[test]
+fn what_an_image_does_not_show_has_no_distance() {
+    let (shape, pose) = (Ball { radius: 12.0 }, Pose::new([0.0; 3], [0.0; 3]));
+    let whole = scan([1.0; 3], [0.0; 3], [0.31, 0.17, 0.43], 20.0);
+    // The same lattice, without what lies above a plane across the ball.
+    let half = Grid::new([40, 40, 24], *whole.affine()).unwrap();
+    let edge = whole.affine().apply([0.0, 0.0, 23.5])[2];
+    for [first, later] in [[whole, half], [half, whole]] {
+        let object = Measurement::default().prepare(mask(first, &shape, &pose)).unwrap();
+        let found = compared(&object, mask(later, &shape, &pose));
+        let is_known = |(place, change): (&[f64; 3], &VertexChange)| {
+            assert_eq!(change.distance.is_nan(), change.mean_curvature.is_nan());
+            assert_eq!(change.distance.is_nan(), change.distance_error.unwrap().is_nan());
+            // Three sigma inside the cut.
+            let is_shown = place[2] < edge - 6.0;
+            assert!(change.distance.is_nan() || is_shown, "{place:?}");
+            assert!(!change.distance.is_nan() || place[2] > edge - 6.5, "{place:?}");
+        };
+        found.surface.mesh.vertices.iter().zip(&found.changes).for_each(is_known);
+        let distance = found.whole.distance_mm;
+        println!("share {:.3}, mean {:.5}", found.whole.share_without_distance, distance.mean);
+        assert!((0.2..0.8).contains(&found.whole.share_without_distance), "{:?}", found.whole);
+        assert!(distance.mean.abs() < 0.01 && distance.rms < 0.02, "{distance:?}");
+        assert!(found.whole.hausdorff_mm < 0.1 && distance.share_beyond_noise.unwrap() < 0.01);
+    }
+}
+
+/// Two scans that have no place in common.
+#[test]
+fn scans_that_do_not_meet_have_no_change() {
+    let (shape, pose) = (Ball { radius: 8.0 }, Pose::new(POSE, [0.0; 3]));
+    let away = Pose::new(POSE, [800.0, 0.0, 0.0]);
+    let first = scan([1.0; 3], [0.0; 3], [0.0; 3], 14.0);
+    let later = scan([1.0; 3], [0.0; 3], [800.0, 0.0, 0.0], 14.0);
+    let object = Measurement::default().prepare(mask(first, &shape, &pose)).unwrap();
+    let other = object.comparable().prepare(mask(later, &shape, &away)).unwrap();
+    let (mut surface, there) = (object.surface(), other.surface());
+    let [first, later] = [(&surface, &object), (&there, &other)].map(|(surface, object)| Placed {
+        surface,
+        noise: None,
+        known: object.field_of_view(),
+    });
+    let changes = Surface::changes_to(first, later).unwrap();
+    let back = Surface::changes_to(later, first).unwrap();
+    assert!(changes.iter().chain(&back).all(|change| change.distance.is_nan()));
+    surface.set_changes(&changes);
+    assert_eq!(surface.change(&there, &back), None);
 }

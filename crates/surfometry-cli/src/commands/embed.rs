@@ -4,9 +4,10 @@ use crate::console::{Voice, control};
 use crate::cures::cure;
 use crate::inputs::{expand, input_name};
 use crate::options::MeasureOptions;
-use crate::output::{Layout, TableSink, check_output, digits, raised_text, status, with_scales};
+use crate::output::{
+    Layout, TableSink, check_output, digits, is_one_terminal, one_line, raised_text, status, with_scales,
+};
 use anyhow::{Context, Result, bail};
-use std::io::{self, IsTerminal};
 use std::path::PathBuf;
 use surfometry::Choice;
 use surfometry::inputs::{distinct_parts, with_parts};
@@ -38,8 +39,9 @@ pub(crate) struct Args {
 pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
     let plan = args.options.plan(CurvatureScale::AsMeasured)?;
     let inputs = expand(&args.inputs);
+    let read = args.options.files_read(&inputs, None);
     for part in distinct_parts(&inputs) {
-        check_output(Some(&with_parts(&args.output, part.as_slice())), &inputs)?;
+        check_output(Some(&with_parts(&args.output, part.as_slice())), &read)?;
     }
     if MapFile::of_path(&args.output) != Some(MapFile::Voxels) {
         bail!("{}: the name must end in .nii or .nii.gz", args.output.display());
@@ -47,10 +49,10 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
     let control = control(inputs.len(), Voice { quiet, memory: false });
     let scale_ledger = plan.scale_ledger.clone();
     let batch = Batch { inputs: &inputs, open: plan.open.clone(), control: &control, cure };
-    let task = EmbedTask { plan, file: args.output.clone(), ledger: FileLedger::new(&inputs) };
+    let task = EmbedTask { plan, file: args.output.clone(), ledger: FileLedger::new(&read) };
     task.check()?;
     // A terminal has shown the failures already.
-    let mut sink = TableSink::new(ResultOutput::stdout(), table, !io::stdout().is_terminal());
+    let mut sink = TableSink::new(ResultOutput::stdout(), table, !is_one_terminal());
     let outcome = batch.run(&task, &mut sink)?;
     let out = sink.finish().context("stdout cannot be written")?;
     out.end(outcome.stopped).context("stdout cannot be written")?;
@@ -78,5 +80,5 @@ fn table(objects: &[EmbeddedObject]) -> String {
         object.flags.iter().map(|flag| (name(object), flag.clone())).collect::<Vec<_>>()
     };
     let raised: Vec<_> = objects.iter().flat_map(flags).collect();
-    format!("{}\n{}{}", objects[0].input, layout.text(), raised_text(&raised, objects.len()))
+    format!("{}\n{}{}", one_line(&objects[0].input), layout.text(), raised_text(&raised, objects.len()))
 }

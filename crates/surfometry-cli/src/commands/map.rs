@@ -83,7 +83,8 @@ pub(crate) struct Args {
 pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
     let (inputs, style) = (expand(&args.inputs), style(args)?);
     let outputs = || args.output.iter().chain(&args.png);
-    let read: Vec<String> = inputs.iter().chain(&args.against).cloned().collect();
+    let beside = args.against.iter().chain(&args.regions).map(String::as_str);
+    let read = args.options.files_read(&inputs, beside.chain(args.sample.iter().map(SampleImage::file)));
     let [documents, files] = targets(outputs(), &read)?;
     let scale = args.curvature.asked().unwrap_or_else(|| args.options.scale_of_map(&style, outputs()));
     // What is mapped is the surface of the one embedding that was chosen.

@@ -17,10 +17,11 @@ use surfometry::runs::{
 /// Measure the objects of label images
 ///
 /// INPUT is a file (NIfTI, MetaImage, NRRD, NumPy), a pattern, or a built-in shape with known truth:
-/// phantom:NAME?key=value&... with NAME ball, ellipsoid, capsule, torus, rounded-box, shell, two-balls,
-/// genus, gyroid, schwarz-p, femur or vertebra and keys radius, radii, major, minor, length, inner, genus,
-/// period, size, individual, holes, spacing, rotate, shift, jitter, flips. A closed mesh (STL, PLY) is put on the
-/// lattice of --spacing.
+/// phantom:NAME?key=value&... with these names and their keys: ball (radius), ellipsoid (radii), capsule (radius,
+/// length), torus (major, minor), rounded-box (radii, radius), shell (radius, inner), two-balls (radius, length),
+/// genus (genus, major, minor), gyroid (period, size), schwarz-p (period, size), femur (individual), vertebra
+/// (individual, holes); all take spacing, rotate, shift, jitter, flips. A closed mesh (STL, PLY) is put on the lattice of
+/// --spacing.
 ///
 /// Exit status: 0 all measured, 1 some inputs failed (they are listed, the others are measured), 2 the
 /// command was wrong, 130 stopped by Ctrl-C.
@@ -81,12 +82,12 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
     plan.check()?;
     let inputs = expand(&args.inputs);
     let beside = part_files(args, &plan)?;
-    let read: Vec<String> = inputs.iter().chain(&args.regions).cloned().collect();
+    let read = args.options.files_read(&inputs, args.regions.iter().map(String::as_str));
     for path in args.results.path().into_iter().chain(args.png.as_deref()).chain(beside.paths()) {
         check_output(Some(path), &read)?;
     }
     check_picture(args)?;
-    let (path, style, ledger) = (args.png.clone(), MapStyle::default(), FileLedger::new(&inputs));
+    let (path, style, ledger) = (args.png.clone(), MapStyle::default(), FileLedger::new(&read));
     let pictures = path.map(|path| Pictures { path, style, ledger });
     let (open, scale_ledger) = (plan.open.clone(), plan.scale_ledger.clone());
     let settings = Settings::of(&plan);

@@ -3,6 +3,7 @@
 pub(crate) mod cohort;
 pub(crate) mod compare;
 pub(crate) mod embed;
+pub(crate) mod generate;
 pub(crate) mod info;
 pub(crate) mod map;
 pub(crate) mod measure;

@@ -4,7 +4,7 @@ use crate::console::{Voice, control};
 use crate::cures::cure;
 use crate::inputs::{expand, input_name};
 use crate::options::{InputSelection, OutputOptions};
-use crate::output::{Layout, check_output, digits, raised_text, write_results};
+use crate::output::{Layout, check_output, digits, one_line, raised_text, write_results};
 use anyhow::Result;
 use surfometry::accuracy::Flag;
 use surfometry::reference_methods::{METHODS, ReferenceMethod};
@@ -32,7 +32,7 @@ pub(crate) struct Args {
 
 pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
     let inputs = expand(&args.inputs);
-    check_output(args.results.path(), &inputs)?;
+    check_output(args.results.path(), &args.selection.files_read(&inputs, None))?;
     let chosen = |method: &&&dyn ReferenceMethod| {
         args.methods.is_empty() || args.methods.iter().any(|name| name == method.name())
     };
@@ -67,7 +67,7 @@ fn table(records: &[ReferenceRecord]) -> String {
         row.extend(values.map(number));
         layout.row(row);
     }
-    format!("{}\n{}{}", records[0].input, layout.text(), flags(records))
+    format!("{}\n{}{}", one_line(&records[0].input), layout.text(), flags(records))
 }
 
 /// Each flag of an object once, whichever methods have it.

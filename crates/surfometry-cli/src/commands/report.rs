@@ -6,8 +6,8 @@ use crate::cures::cure;
 use crate::inputs::{expand, input_name};
 use crate::options::{CurvatureOptions, MeasureOptions};
 use crate::output::{PageSink, check_output, say, status, with_scales};
-use anyhow::Result;
-use std::path::PathBuf;
+use anyhow::{Result, bail};
+use std::path::{Path, PathBuf};
 use surfometry::inputs::input_title;
 use surfometry::report::ReportTask;
 use surfometry::runs::Batch;
@@ -43,7 +43,8 @@ pub(crate) struct Args {
 pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
     let plan = args.options.plan(args.curvature.scale())?;
     let inputs = expand(&args.inputs);
-    check_output(Some(&args.output), &inputs)?;
+    check_ending(&args.output)?;
+    check_output(Some(&args.output), &args.options.files_read(&inputs, None))?;
     let control = control(inputs.len(), Voice { quiet, memory: false });
     let scale_ledger = plan.scale_ledger.clone();
     let batch = Batch { inputs: &inputs, open: plan.open.clone(), control: &control, cure };
@@ -60,4 +61,15 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
         return Ok(if outcome.stopped { status(outcome) } else { SOME_FAILED });
     }
     Ok(with_scales(status(outcome), &scale_ledger, quiet))
+}
+
+/// A page under the name of another kind of file would be opened as such.
+fn check_ending(path: &Path) -> Result<()> {
+    let is_page = path
+        .extension()
+        .is_none_or(|ending| ["html", "htm"].iter().any(|of_page| ending.eq_ignore_ascii_case(of_page)));
+    if !is_page {
+        bail!("{}: a page is HTML, so its name must end in .html or .htm", path.display());
+    }
+    Ok(())
 }

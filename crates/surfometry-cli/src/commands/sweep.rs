@@ -65,24 +65,26 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
     let plan = args.options.plan(CurvatureScale::AsMeasured)?;
     let plan = Plan { explain_topology: ExplainTopology::Never, recover: false, ..plan };
     let inputs = expand(&args.inputs);
-    check_output(args.results.path(), &inputs)?;
+    let read = args.options.files_read(&inputs, None);
+    check_output(args.results.path(), &read)?;
     for (path, what) in [(&args.chart, "chart"), (&args.surfaces, "picture")] {
         check_picture(args, path.as_deref(), what)?;
-        check_output(path.as_deref(), &inputs)?;
+        check_output(path.as_deref(), &read)?;
     }
     let control = control(inputs.len(), Voice { quiet, memory: false });
     let (scale_ledger, settings) = (plan.scale_ledger.clone(), Settings::of(&plan));
     let batch = Batch { inputs: &inputs, open: plan.open.clone(), control: &control, cure };
-    let chart = args.chart.clone();
     let (count, style) = (args.surface_count as usize, args.pictures.map_style()?);
+    let (measures, log, dpi_scale) = (args.measures.clone(), args.log, style.dpi_scale);
+    let chart = args.chart.clone().map(|path| SweepChart { path, measures, log, dpi_scale });
     let surfaces = args.surfaces.clone().map(|path| SweptSurfaces { path, count, style });
     let task = SweepTask {
         plan,
         over: args.over,
         values: args.range.values(args.log),
-        chart: chart.map(|path| SweepChart { path, measures: args.measures.clone(), log: args.log }),
+        chart,
         surfaces,
-        ledger: FileLedger::new(&inputs),
+        ledger: FileLedger::new(&read),
     };
     task.check()?;
     let status = write_results(&args.results, SweepTables(args.over), &settings, quiet, |sink| {

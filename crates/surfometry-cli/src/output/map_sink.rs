@@ -1,6 +1,6 @@
 //! What a map's run gives: documents that grow, names of files, flags.
 
-use super::{flags_text, say};
+use super::{flags_text, one_line, say};
 use anyhow::{Result, anyhow};
 use std::io;
 use std::path::PathBuf;
@@ -63,7 +63,7 @@ impl Sink<SurfaceRecord> for MapSink {
         let records = self.records.as_mut().map(std::mem::take).unwrap_or_default();
         let flags = flags_text(&records.iter().collect::<Vec<_>>());
         if let Some(record) = records.first().filter(|_| !flags.is_empty()) {
-            say(&format!("{}\n{}", record.input, flags.trim_end()));
+            say(&format!("{}\n{}", one_line(&record.input), flags.trim_end()));
         }
         self.documents.iter_mut().try_for_each(|(_, sink)| sink.input_ends())
     }

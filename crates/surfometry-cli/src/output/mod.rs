@@ -37,6 +37,7 @@ use std::io::{ErrorKind, IsTerminal, Write};
 use std::path::{Path, PathBuf};
 use surfometry::inputs::files_of;
 use surfometry::io::{try_writing, write_whole};
+use width::wrapped;
 
 /// A document as JSON, indented.
 pub(crate) fn json_text(document: &impl Serialize) -> Result<String> {
@@ -45,17 +46,43 @@ pub(crate) fn json_text(document: &impl Serialize) -> Result<String> {
 
 /// Says something on stderr. That it cannot be said, as on a full disk, is no reason to lose results.
 pub(crate) fn say(message: &str) {
-    let _ = writeln!(std::io::stderr(), "surfometry: {}", plain(message));
+    let message = format!("surfometry: {}\n", plain(message));
+    let mut stderr = std::io::stderr();
+    let shown = if stderr.is_terminal() {
+        message.lines().map(|line| wrapped(line, "", "    ")).collect()
+    } else {
+        message
+    };
+    let _ = stderr.write_all(shown.as_bytes());
+}
+
+/// Whether what stderr has told stands on the terminal that results are shown on.
+pub(crate) fn is_one_terminal() -> bool {
+    std::io::stdout().is_terminal() && std::io::stderr().is_terminal()
 }
 
 /// A text without what a terminal takes for commands, which names of files and texts in them may hold.
 pub(crate) fn plain(text: &str) -> Cow<'_, str> {
-    let is_plain = |c: char| !c.is_control() || c == '\n' || c == '\t';
-    if text.chars().all(is_plain) {
+    escaped(text, |c| c == '\n' || c == '\t' || is_harmless(c))
+}
+
+/// A name, which is to stay in its line.
+pub(crate) fn one_line(name: &str) -> Cow<'_, str> {
+    escaped(name, is_harmless)
+}
+
+fn escaped(text: &str, is_kept: impl Fn(char) -> bool) -> Cow<'_, str> {
+    if text.chars().all(&is_kept) {
         return text.into();
     }
-    let shown = |c: char| if is_plain(c) { c.to_string() } else { c.escape_default().to_string() };
+    let shown = |c: char| if is_kept(c) { c.to_string() } else { c.escape_default().to_string() };
     text.chars().map(shown).collect()
+}
+
+/// Neither a command nor what turns the direction of the text around it, so that a name would read as another one.
+fn is_harmless(c: char) -> bool {
+    let turns = matches!(c, '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
+    !turns && !c.is_control()
 }
 
 /// Refuses, before anything is measured, an output that could not be written or that would replace an input.
@@ -115,5 +142,22 @@ fn print(text: &str) -> Result<()> {
         // The reader went away, as `head` does: nothing is wrong.
         Err(e) if e.kind() == ErrorKind::BrokenPipe => Ok(()),
         outcome => outcome.context("stdout cannot be written"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{one_line, plain};
+
+    #[test]
+    fn names_command_no_terminal() {
+        assert_eq!(plain("a\u{1b}[31m\tb\nc"), "a\\u{1b}[31m\tb\nc");
+        assert_eq!(plain("a\u{202e}gnp.exe\u{2069}"), "a\\u{202e}gnp.exe\\u{2069}");
+        assert_eq!(one_line("a\nb\tc\u{200f}"), "a\\nb\\tc\\u{200f}");
+        // Names in other scripts are names.
+        assert_eq!(
+            one_line("\u{05db}\u{05d1}\u{05d3} \u{809d}\u{81d3} a\u{0308}"),
+            "\u{05db}\u{05d1}\u{05d3} \u{809d}\u{81d3} a\u{0308}"
+        );
     }
 }

@@ -6,7 +6,7 @@ use super::numbers::digits;
 use super::parts_text::parts_text;
 use super::raised::flags_text;
 use super::table_sink::Presenter;
-use super::width::wrapped;
+use super::{one_line, width::wrapped};
 use std::collections::BTreeMap;
 use surfometry::inputs::distinct_parts;
 use surfometry::measurement::Parameters;
@@ -65,7 +65,7 @@ impl RecordTables {
 
     fn in_lines(&mut self, records: &[Record]) -> String {
         let input = &records[0].input;
-        let name = self.parts.get(input).unwrap_or(input).clone();
+        let name = one_line(self.parts.get(input).unwrap_or(input)).into_owned();
         match records {
             [only] if !self.one_input => self.lines.line(&name, only) + &parts_text(records),
             _ => {
@@ -122,14 +122,14 @@ fn input_heading(records: &[Record]) -> String {
         all(|parameters| Some(parameters.thickness_mm)),
         all(|parameters| Some(parameters.epsilon)),
     );
-    format!("{}\n{}", record.input, wrapped(&text, "  ", "  "))
+    format!("{}\n{}", one_line(&record.input), wrapped(&text, "  ", "  "))
 }
 
 /// An object's label, with its name, and which of its pieces it is.
 pub(crate) fn record_name(record: &Record) -> String {
     let mut label = record.label.as_ref().map_or_else(String::new, ToString::to_string);
     if let Some(name) = &record.name {
-        label = format!("{label} {name}");
+        label = format!("{label} {}", one_line(name));
     }
     record.component.map_or(label.clone(), |component| format!("{label} #{component}"))
 }

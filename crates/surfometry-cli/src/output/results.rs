@@ -3,9 +3,9 @@
 use super::table_sink::{Presenter, TableSink};
 use crate::console::{INTERRUPTED, STOPPED};
 use crate::options::{OutputFormat, OutputOptions};
-use crate::output::say;
+use crate::output::{is_one_terminal, say};
 use anyhow::{Context, Result, anyhow};
-use std::io::{self, ErrorKind, IsTerminal};
+use std::io::{self, ErrorKind};
 use std::path::Path;
 use surfometry::io::ResultOutput;
 use surfometry::runs::{DocumentForm, Outcome, Row, ScaleLedger, Settings, SigmaRange, Sink};
@@ -27,7 +27,7 @@ pub(crate) fn write_results<R: Row>(
         None => ResultOutput::stdout(),
     };
     // A terminal has shown the failures already.
-    let list_failures = options.path().is_some() || !io::stdout().is_terminal();
+    let list_failures = options.path().is_some() || !is_one_terminal();
     let written = match options.format() {
         OutputFormat::Table => {
             let mut sink = TableSink::new(out, presenter, list_failures);

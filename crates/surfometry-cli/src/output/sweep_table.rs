@@ -1,7 +1,7 @@
 //! Sweeps as tables for people.
 
 use super::width::wrapped;
-use super::{Layout, Presenter, digits};
+use super::{Layout, Presenter, digits, one_line};
 use surfometry::runs::{Record, SweptParameter};
 
 const LEGEND: &str = "V mm\u{b3}, A mm\u{b2}, M = total H mm of the object as it was segmented, with standard errors; blurred: of the \
@@ -41,7 +41,7 @@ fn table(over: SweptParameter, records: &[Record]) -> String {
     for record in records {
         layout.row(row(over, record));
     }
-    format!("{}\n{}", records[0].input, layout.text())
+    format!("{}\n{}", one_line(&records[0].input), layout.text())
 }
 
 fn row(over: SweptParameter, record: &Record) -> Vec<String> {

@@ -1,6 +1,7 @@
 //! Results as tables for people, one an input, as soon as it is done.
 
-use super::plain;
+use super::width::wrapped;
+use super::{one_line, plain};
 use std::io::{self, Write};
 use surfometry::io::ResultOutput;
 use surfometry::runs::{Failure, Sink};
@@ -47,11 +48,15 @@ impl<R, P: Presenter<R>> TableSink<R, P> {
         self.input_ends()?;
         self.out.write_all(plain(&self.presenter.ending()).as_bytes())?;
         if self.list_failures && !self.failures.is_empty() {
-            let lines: Vec<String> = self.failures.iter().map(|failure| format!("  {failure}\n")).collect();
-            self.out.write_all(format!("\nnot measured:\n{}", plain(&lines.concat())).as_bytes())?;
+            let lines: String = self.failures.iter().map(failure_text).collect();
+            self.out.write_all(format!("\nnot measured:\n{}", plain(&lines)).as_bytes())?;
         }
         Ok(self.out)
     }
+}
+
+fn failure_text(Failure { input, error }: &Failure) -> String {
+    wrapped(&format!("{}: {error}", one_line(input)), "  ", "    ")
 }
 
 impl<R, P: Presenter<R>> Sink<R> for TableSink<R, P> {

@@ -71,6 +71,8 @@ pub enum FlagCode {
     SurplusData,
     /// The image has so many values, so mixed, that they are more likely grey values than labels.
     GreyValues,
+    /// An image beside the input does not tell all of the object, or is doubtful itself.
+    ImageBeside,
     /// Pieces beside the largest were left out, as was asked.
     PiecesDropped,
     /// Cavities were filled, as was asked.

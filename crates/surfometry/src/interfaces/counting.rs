@@ -4,19 +4,36 @@ use super::PairWeights;
 use crate::tiling::{Block, IndexBox};
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
+use std::ops::Range;
 
 /// Edge of the boxes in which pairs are counted, voxels.
 const EDGE: i64 = 32;
 
 /// What was counted of two labels.
-#[derive(Debug, Clone, Default, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Contact {
     /// Pairs of voxels that cross their interface, by orbit of the displacement.
     pub(crate) pairs: Vec<u64>,
+    /// How many more there were if pairs with a third label between them counted for what lies on their way: at rims they do
+    /// not, in thin layers they should.
+    pub(crate) by_way: Vec<i64>,
     /// Cells of 2 x 2 x 2 voxels in which a third label meets both.
     pub(crate) rim: u64,
     /// The boxes in which voxels of both share a face.
     pub(crate) boxes: Vec<IndexBox>,
+}
+
+impl Contact {
+    fn new(orbits: usize) -> Self {
+        Self { pairs: vec![0; orbits], by_way: vec![0; orbits], rim: 0, boxes: Vec::new() }
+    }
+
+    fn add(&mut self, other: Self) {
+        self.pairs.iter_mut().zip(other.pairs).for_each(|(sum, count)| *sum += count);
+        self.by_way.iter_mut().zip(other.by_way).for_each(|(sum, count)| *sum += count);
+        self.rim += other.rim;
+        self.boxes.extend(other.boxes);
+    }
 }
 
 /// What was counted of any two labels, the lower first.
@@ -40,13 +57,13 @@ impl Contacts {
 
     fn merged(mut self, other: Self) -> Self {
         for (key, more) in other.0 {
-            let all = self.0.entry(key).or_default();
-            all.pairs.resize(more.pairs.len(), 0);
-            all.pairs.iter_mut().zip(more.pairs).for_each(|(sum, count)| *sum += count);
-            all.rim += more.rim;
-            all.boxes.extend(more.boxes);
+            self.of(key, more.pairs.len()).add(more);
         }
         self
+    }
+
+    fn of(&mut self, key: [u32; 2], orbits: usize) -> &mut Contact {
+        self.0.entry(key).or_insert_with(|| Contact::new(orbits))
     }
 
     fn of_tile(tile: &IndexBox, labels: &Block<u32>, weights: &PairWeights) -> Self {
@@ -65,15 +82,12 @@ impl Contacts {
             let path: Vec<i64> = between(*displacement).map(offset).collect();
             for (y, z) in tile.rows() {
                 let start = labels.offset([tile.lower[0], y, z]);
-                found.count_row(labels.values(), start, tile.extent()[0], &path, &touching, |contact| {
-                    contact.pairs.resize(weights.orbits(), 0);
-                    contact.pairs[*orbit] += 1;
-                });
+                let of_orbit = (*orbit, weights.orbits());
+                found.count_row(labels.values(), start..start + tile.extent()[0], &path, &touching, of_orbit);
             }
         }
-        found.count_rims(tile, labels);
+        found.count_rims(tile, labels, weights.orbits());
         for contact in found.0.values_mut() {
-            contact.pairs.resize(weights.orbits(), 0);
             if weights.faces(&contact.pairs).iter().any(|&area| area > 0.0) {
                 contact.boxes.push(*tile);
             }
@@ -86,44 +100,41 @@ impl Contacts {
     /// A pair counts for its own two labels where these touch around here: what it counts too often or too seldom at rims
     /// then goes with the square of its length, and cancels. Where they do not, as on both sides of a layer, it counts for
     /// what lies on its way.
-    #[expect(clippy::too_many_arguments, reason = "a row of a block, and a way through it")]
     fn count_row(
         &mut self,
         labels: &[u32],
-        start: usize,
-        length: usize,
+        row: Range<usize>,
         path: &[i64],
         touching: &BTreeSet<[u32; 2]>,
-        mut add: impl FnMut(&mut Contact),
+        (orbit, orbits): (usize, usize),
     ) {
-        let at = |place: usize, step: i64| labels[(place as i64 + step) as usize];
         let end = path[path.len() - 1];
-        let (here, there) = (&labels[start..][..length], (start as i64 + end) as usize);
-        if here == &labels[there..][..length] {
+        let there = (row.start as i64 + end) as usize;
+        if labels[row.clone()] == labels[there..][..row.len()] {
             return;
         }
-        for place in start..start + length {
-            let (from, to) = (labels[place], at(place, end));
+        for place in row {
+            let on_the_way = |step: i64| labels[(place as i64 + step) as usize];
+            let (from, to) = (labels[place], on_the_way(end));
             if from == to {
                 continue;
             }
-            if touching.contains(&pair(from, to)) {
-                add(self.0.entry(pair(from, to)).or_default());
+            let crossed = crossings(from, path.iter().map(|&step| on_the_way(step)));
+            if !touching.contains(&pair(from, to)) {
+                crossed.for_each(|key| self.of(key, orbits).pairs[orbit] += 1);
                 continue;
             }
-            // The way from one label to the other without its loops: each interface that it crosses for good.
-            let (mut label, mut next) = (from, 0);
-            while label != to {
-                let last = (next..path.len()).rev().find(|&n| at(place, path[n]) == label);
-                next = last.map_or(next, |n| n + 1);
-                let entered = at(place, path[next]);
-                add(self.0.entry(pair(label, entered)).or_default());
-                label = entered;
+            let own = self.of(pair(from, to), orbits);
+            own.pairs[orbit] += 1;
+            if path.iter().all(|&step| [from, to].contains(&on_the_way(step))) {
+                continue;
             }
+            own.by_way[orbit] -= 1;
+            crossed.for_each(|key| self.of(key, orbits).by_way[orbit] += 1);
         }
     }
 
-    fn count_rims(&mut self, tile: &IndexBox, labels: &Block<u32>) {
+    fn count_rims(&mut self, tile: &IndexBox, labels: &Block<u32>, orbits: usize) {
         let [nx, ny, _] = labels.region().extent();
         let corners = [0, 1, nx, nx + 1].map(|n| [n, n + nx * ny]).concat();
         for (y, z) in tile.rows() {
@@ -141,7 +152,7 @@ impl Contacts {
                 }
                 for (n, &a) in seen.iter().enumerate() {
                     for &b in &seen[n + 1..] {
-                        self.0.entry(pair(a, b)).or_default().rim += 1;
+                        self.of(pair(a, b), orbits).rim += 1;
                     }
                 }
             }
@@ -169,6 +180,22 @@ fn touching(labels: &Block<u32>) -> BTreeSet<[u32; 2]> {
         }
     }
     found
+}
+
+/// What a way crosses for good: it without its loops.
+fn crossings(
+    from: u32,
+    way: impl DoubleEndedIterator<Item = u32> + ExactSizeIterator + Clone,
+) -> impl Iterator<Item = [u32; 2]> {
+    let (mut label, mut next) = (from, 0);
+    std::iter::from_fn(move || {
+        let last = way.clone().skip(next).rposition(|on_the_way| on_the_way == label);
+        next += last.map_or(0, |n| n + 1);
+        let entered = way.clone().nth(next)?;
+        let crossed = pair(label, entered);
+        label = entered;
+        Some(crossed)
+    })
 }
 
 fn pair(a: u32, b: u32) -> [u32; 2] {

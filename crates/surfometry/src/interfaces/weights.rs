@@ -9,6 +9,9 @@ use std::f64::consts::{PI, TAU};
 /// Length of the longest displacement, in geometric means of the spacings and in largest ones.
 const LONGEST: f64 = 5.2;
 const LONGEST_OF_SLICES: f64 = 3.6;
+/// Of the short ones, which fine roughness tells from the others, in the same units.
+const SHORT: f64 = 2.3;
+const SHORT_OF_SLICES: f64 = 1.8;
 /// Most displacements: where slices are so thick that there would be more, the longest are shorter.
 const MOST: usize = 3000;
 /// Directions in which the conditions are asked for.
@@ -20,6 +23,8 @@ const RIMS: f64 = 2.0;
 const CYLINDERS: f64 = 0.3;
 const BALLS: f64 = 6.0;
 const NOISE: f64 = 1e-4;
+/// The same of displacements that are to weigh nothing.
+const LEFT_OUT: f64 = 1e15;
 
 /// Displacements, one of each pair d, -d, and the weights of pairs of voxels so far apart. Mirror images along the grid's
 /// axes weigh the same and are an orbit.
@@ -28,6 +33,8 @@ pub(crate) struct PairWeights {
     displacements: Vec<([i64; 3], usize)>,
     /// By orbit, in 1/mm of area over volume.
     weights: Vec<f64>,
+    /// The same, of short displacements alone.
+    short: Vec<f64>,
     /// The orbits of the three shortest displacements along the axes.
     along_axes: [usize; 3],
     spacing: Spacing,
@@ -46,9 +53,10 @@ impl PairWeights {
         let orbit = |d: &[i64; 3]| orbits[&d.map(i64::abs)];
         let displacements: Vec<_> = displacements.iter().map(|d| (*d, orbit(d))).collect();
         let along_axes = [[1, 0, 0], [0, 1, 0], [0, 0, 1]].map(|d| orbit(&d));
-        let mut made = Self { displacements, weights: vec![0.0; orbits.len()], along_axes, spacing, longest };
-        made.weights = made.balanced();
-        made
+        let none = vec![0.0; orbits.len()];
+        let made = Self { displacements, weights: none.clone(), short: none, along_axes, spacing, longest };
+        let short = (SHORT * spacing.geometric_mean()).max(SHORT_OF_SLICES * spacing.largest());
+        Self { weights: made.balanced(longest), short: made.balanced(short), ..made }
     }
 
     /// Displacements, each with the number of its orbit.
@@ -69,8 +77,21 @@ impl PairWeights {
 
     /// Area, mm^2, of what so many pairs of each orbit cross.
     pub(crate) fn area(&self, counts: &[u64]) -> f64 {
-        let sum: f64 = counts.iter().zip(&self.weights).map(|(&count, weight)| count as f64 * weight).sum();
-        sum * self.spacing.cell_volume()
+        self.weighed(counts.iter().map(|&count| count as f64), &self.weights)
+    }
+
+    /// The same of short displacements alone, which rough surfaces make smaller.
+    pub(crate) fn area_of_short(&self, counts: &[u64]) -> f64 {
+        self.weighed(counts.iter().map(|&count| count as f64), &self.short)
+    }
+
+    /// By how much an area changes with counts.
+    pub(crate) fn change(&self, counts: &[i64]) -> f64 {
+        self.weighed(counts.iter().map(|&count| count as f64), &self.weights)
+    }
+
+    fn weighed(&self, counts: impl Iterator<Item = f64>, weights: &[f64]) -> f64 {
+        counts.zip(weights).map(|(count, weight)| count * weight).sum::<f64>() * self.spacing.cell_volume()
     }
 
     /// Area of the voxels' faces that such pairs cross, mm^2, by axis.
@@ -101,8 +122,8 @@ impl PairWeights {
         std::array::from_fn(|a| displacement[a] as f64 * self.spacing.mm()[a])
     }
 
-    /// The weights that meet the conditions best, in the sense of least squares.
-    fn balanced(&self) -> Vec<f64> {
+    /// The weights of displacements up to a length that meet the conditions best, in the sense of least squares.
+    fn balanced(&self, longest: f64) -> Vec<f64> {
         let scale = self.longest / 3.0;
         let mut system = vec![vec![0.0; self.orbits() + 1]; self.orbits()];
         let mut ask = |weight: f64, wanted: f64, value: &dyn Fn([f64; 3]) -> f64| {
@@ -128,8 +149,9 @@ impl PairWeights {
         }
         ask(BALLS / (scale * scale), 0.0, &|d| dot(d, d).sqrt().powi(3));
         let noise = NOISE * DIRECTIONS as f64 * scale * scale;
-        for (_, orbit) in &self.displacements {
-            system[*orbit][*orbit] += noise;
+        for (d, orbit) in &self.displacements {
+            let length = self.mm(*d).map(|v| v * v).iter().sum::<f64>().sqrt();
+            system[*orbit][*orbit] += if length > longest { LEFT_OUT } else { noise };
         }
         solved(system).into_iter().map(|solution| solution[0]).collect()
     }

@@ -95,6 +95,14 @@ impl GrowingFile {
         fs::rename(&self.partial, &self.target)
     }
 
+    /// Takes it away.
+    ///
+    /// # Errors
+    /// Whatever the file system says.
+    pub(crate) fn discard(self) -> io::Result<()> {
+        fs::remove_file(&self.partial)
+    }
+
     /// Writes bytes, and behind them an end that the next ones will replace: by one call to the system, so
     /// that a run that is killed leaves either both or neither. Where that fails, as on a full disk, the earlier end is
     /// put back, for which there was room.
@@ -213,7 +221,7 @@ impl ResultOutput {
     /// Whatever keeps it from being taken away.
     pub(super) fn discard(self) -> io::Result<()> {
         match self {
-            Self::File(file) => fs::remove_file(&file.partial),
+            Self::File(file) => file.discard(),
             Self::Stream(_) => Ok(()),
         }
     }

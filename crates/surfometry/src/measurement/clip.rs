@@ -147,6 +147,8 @@ pub(super) struct BoundaryTerms {
     pub(super) area: f64,
     /// The same of H^2, for M.
     pub(super) total_mean_curvature: f64,
+    /// Length of the boundary, mm.
+    pub(super) length: f64,
 }
 
 impl MeasuredPart {
@@ -216,6 +218,7 @@ impl BoundaryTerms {
             - 2.0 * gradient[u] * gradient[v] * mixed(u, v)
             + voxel.jet.hessian[v] * gradient[u] * gradient[u])
             / square;
+        self.length += cell * band.delta().delta(voxel.jet.value) * square.sqrt();
         if bending.is_finite() {
             self.curvature += cell * band.delta().delta(voxel.jet.value) * bending * slope;
         }

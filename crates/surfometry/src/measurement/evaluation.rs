@@ -12,7 +12,8 @@ use super::setup::Setup;
 use super::voxels::VoxelCounts;
 use super::warnings::{Evidence, NarrowPlace, raise_flags};
 use crate::accuracy::{
-    CompensationTerms, ErrorModel, Flag, FlagCode, band_variance, compensation_terms, shear_errors, sheared,
+    CompensationTerms, ErrorModel, Flag, FlagCode, band_variance, compensation_terms, mean_of_open_rims,
+    shear_errors, sheared,
 };
 use crate::integrals::{Integrals, SurfaceIntegrals};
 use crate::surface::SurfaceSummary;
@@ -82,7 +83,7 @@ impl Setup {
         };
         let surface = surviving.filter(Integrals::has_surface);
         let area = surface.map(|integrals| integrals.surface.area);
-        let mut flags = self.parameter_flags(totals.voxels.cut_areas(&self.grid), area, clip);
+        let mut flags = self.parameter_flags(&totals.voxels, clip);
         flags.extend(raise_flags(&evidence));
         flags.extend(surface.and_then(|integrals| self.soft?.flag(self.original_area(&integrals))));
         let detail = &totals.sums.detail;
@@ -120,8 +121,15 @@ impl Setup {
             }
             None => standard_error,
         };
+        let standard_error = match open.zip(self.parameters.shift_sigma()) {
+            Some((open, sigma)) => {
+                let mean = mean_of_open_rims(self.grid.spacing(), sigma, open.boundary.length);
+                standard_error.with(0.0, mean, &values)
+            }
+            None => standard_error,
+        };
         if surface == DescribedSurface::Original {
-            flags.extend(large_error(&values, &standard_error));
+            flags.extend(large_error(&values, &standard_error, totals.recovered.is_some()));
         }
         Measured {
             surface,
@@ -269,20 +277,16 @@ impl Setup {
         (sampled && edges.are_occupancies(self.original_area(integrals))).then_some(occupancies)
     }
 
-    fn parameter_flags(
-        &self,
-        cuts: [[f64; 2]; 3],
-        area: Option<f64>,
-        clip: Option<ClipSummary>,
-    ) -> Vec<Flag> {
+    fn parameter_flags(&self, voxels: &VoxelCounts, clip: Option<ClipSummary>) -> Vec<Flag> {
         let mut flags = Vec::new();
+        let cuts = voxels.cut_areas(&self.grid);
         let touches_border = cuts.as_flattened().iter().any(|&cut| cut > 0.0);
         let embedding = self.parameters.embedding;
         let ends = embedding == EmbeddingKind::Given && self.parameters.padding.is_none();
         if touches_border && ends {
             flags.push(Flag::new(FlagCode::SurfaceLeavesField, "the inside reaches the edge of the field, where its surface is left open: area and curvature miss that part and chi has no boundary term; with padding the field is closed there"));
         } else if touches_border {
-            flags.push(touching(cuts, area, clip));
+            flags.push(touching(cuts, voxels.cut_share(&self.grid), clip));
         }
         flags.extend(sheared(&self.grid));
         if self.parameters.compensable_sigma().is_none() {
@@ -312,11 +316,17 @@ fn without_compensation(embedding: EmbeddingKind) -> &'static str {
 /// Standard error of the area, as a share of it, from which on it is told of.
 const LARGE_ERROR: f64 = 0.02;
 
-fn large_error(values: &SurfaceValues, errors: &SurfaceValues) -> Option<Flag> {
+fn large_error(values: &SurfaceValues, errors: &SurfaceValues, recovered: bool) -> Option<Flag> {
     let share = errors.surface_area_mm2? / values.surface_area_mm2?;
     let message = format!(
-        "the standard error of the area is {:.1} % of it: edges, detail or gaps of the size of the blur; use a smaller sigma, or scan finer",
-        100.0 * share
+        "the standard error of the area is {:.1} % of it: edges, detail or gaps of the size of the {}",
+        100.0 * share,
+        // What gives detail back is given up with a sigma of one's own.
+        if recovered {
+            "voxels; only a finer scan tells more"
+        } else {
+            "blur; use a smaller sigma, or scan finer"
+        }
     );
     (share > LARGE_ERROR).then(|| Flag::new(FlagCode::LargeError, message))
 }
@@ -354,8 +364,8 @@ fn exact_euler(topology: &TopologySummary, open: Option<&OpenPart>) -> Option<i6
     }
 }
 
-/// Where the image's edge cuts an object, and how much of its surface that makes.
-fn touching(cuts: [[f64; 2]; 3], area: Option<f64>, clip: Option<ClipSummary>) -> Flag {
+/// Where the image's edge cuts an object, and which share of its voxels' surface that is: both are counted alike.
+fn touching(cuts: [[f64; 2]; 3], share: f64, clip: Option<ClipSummary>) -> Flag {
     let mut places = Vec::new();
     for (axis, cuts) in ["x", "y", "z"].iter().zip(cuts) {
         for (end, cut) in ["first", "last"].iter().zip(cuts).filter(|(_, cut)| *cut > 0.0) {
@@ -372,13 +382,11 @@ fn touching(cuts: [[f64; 2]; 3], area: Option<f64>, clip: Option<ClipSummary>) -
         );
         return Flag::new(FlagCode::TouchesBorder, message);
     }
-    let total: f64 = cuts.as_flattened().iter().sum();
-    let share =
-        area.map_or_else(String::new, |area| format!(", {:.1} % of its surface", 100.0 * total / area));
     let message = format!(
-        "the object reaches the edge of the image in the slice {}{share}: it is closed there with a flat cap, which counts in volume, area \
-         and curvature",
-        places.join(", ")
+        "the object reaches the edge of the image in the slice {}, {:.1} % of its voxels' surface: it is closed there with a flat cap, which \
+         counts in volume, area and curvature",
+        places.join(", "),
+        100.0 * share
     );
     Flag::new(FlagCode::TouchesBorder, message)
 }

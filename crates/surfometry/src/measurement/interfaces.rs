@@ -51,11 +51,13 @@ const OTHERS: f64 = 0.02;
 const FEWEST: u64 = 100;
 /// Standard errors of the area: a share of it, of directions that count for more than others; of smooth surfaces in units of
 /// the root of the area times the spacing; of rims, which lie anywhere between voxels, in units of the root of their number of cells, and of
-/// that number where they lie along the grid.
+/// that number where a face that ends there lies along the grid: anywhere within a spacing, that is to 1/sqrt(12) of one, where
+/// 4/pi cells are a spacing of length; of roughness, in units of what short displacements tell otherwise.
 const OF_DIRECTIONS: f64 = 0.003;
 const OF_SURFACE: f64 = 0.1;
 const OF_RIM: f64 = 0.6;
-const OF_GRIDDED_RIM: f64 = 0.12;
+const OF_GRIDDED_RIM: f64 = 0.227;
+const OF_ROUGHNESS: f64 = 1.5;
 /// Area of the voxels' faces, as a multiple of the interface's, up to which that lies along the grid, in part.
 const GRIDDED: f64 = 1.1;
 
@@ -90,9 +92,22 @@ impl Measurement {
         let contacts = Contacts::count(&image.grid().index_box(), &weights, &labels_of);
         let touching = |contact: &Contact| weights.faces(&contact.pairs).iter().any(|&area| area > 0.0);
         let found: Vec<_> = contacts.0.into_iter().filter(|(_, contact)| touching(contact)).collect();
-        let interface =
-            |(pair, contact): &([u32; 2], Contact)| partition.interface(&setup, &weights, *pair, contact);
-        Ok(found.par_iter().map(interface).collect())
+        let rough = partition.roughness(&weights, &found);
+        let areas: Vec<(f64, f64)> =
+            found.iter().map(|(pair, contact)| partition.area(&weights, &rough, *pair, contact)).collect();
+        let mut gridded: BTreeMap<u32, f64> = BTreeMap::new();
+        for ((pair, contact), (area, _)) in found.iter().zip(&areas) {
+            let share = gridded_share(&weights, contact, *area);
+            for number in pair {
+                let largest = gridded.entry(*number).or_default();
+                *largest = largest.max(share);
+            }
+        }
+        let interface = |((pair, contact), &(area, error)): (&([u32; 2], Contact), &(f64, f64))| {
+            let rims = partition.rim_error(contact, gridded[&pair[0]].max(gridded[&pair[1]]));
+            partition.interface(&setup, *pair, contact, (area, libm::hypot(error, rims)))
+        };
+        Ok(found.par_iter().zip(&areas).map(interface).collect())
     }
 }
 
@@ -142,27 +157,22 @@ impl<'a> Partition<'a> {
     fn interface(
         &self,
         setup: &Setup,
-        weights: &PairWeights,
         pair: [u32; 2],
         contact: &Contact,
+        (area, error): (f64, f64),
     ) -> Interface {
-        let area = Some(weights.area(&contact.pairs)).filter(|&area| area > 0.0);
         let mut numbers = pair;
         // A negative label is lower than background.
         numbers.sort_by(|a, b| self.object(*a).labels().cmp(self.object(*b).labels()));
-        let error = area.map(|area| self.area_error(weights, pair, contact, area));
         let core = self.core(setup, numbers, &contact.boxes);
-        let known = area.zip(error);
-        let curvature = known.and_then(|known| core.as_ref()?.curvature(setup, known.0));
+        let curvature = core.and_then(|core| core.curvature(setup, area));
         let [average, average_error, share] = curvature.unwrap_or_default();
-        let of = |area: Option<f64>, total: f64, average: f64| InterfaceValues {
-            surface_area_mm2: area,
+        let of = |area: f64, total: f64, average: f64| InterfaceValues {
+            surface_area_mm2: Some(area),
             total_mean_curvature_mm: curvature.map(|_| total),
             average_mean_curvature_per_mm: curvature.map(|_| average),
         };
-        let total =
-            |(area, error): (f64, f64)| [area * average, libm::hypot(area * average_error, error * average)];
-        let [total, total_error] = known.map(total).unwrap_or_default();
+        let (total, total_error) = (area * average, libm::hypot(area * average_error, error * average));
         Interface {
             labels: numbers.map(|number| self.object(number).clone()),
             names: [None, None],
@@ -176,14 +186,46 @@ impl<'a> Partition<'a> {
         &self.objects[number as usize]
     }
 
-    /// Standard error of a counted area.
-    fn area_error(&self, weights: &PairWeights, pair: [u32; 2], contact: &Contact, area: f64) -> f64 {
+    /// By number, the share by which short displacements tell another area of all of a label's surface than all do: of a smooth
+    /// one they tell the same. (Of a part of it they do not: where it ends.)
+    fn roughness(&self, weights: &PairWeights, found: &[([u32; 2], Contact)]) -> Vec<f64> {
+        let of = |number: u32| {
+            let mut pairs = vec![0; weights.orbits()];
+            for (_, contact) in found.iter().filter(|(pair, _)| pair.contains(&number)) {
+                pairs.iter_mut().zip(&contact.pairs).for_each(|(sum, count)| *sum += count);
+            }
+            let area = weights.area(&pairs);
+            if area > 0.0 { OF_ROUGHNESS * (1.0 - weights.area_of_short(&pairs) / area).abs() } else { 0.0 }
+        };
+        (0..self.objects.len() as u32).map(of).collect()
+    }
+
+    /// A contact's area, and its standard error but for that of rims.
+    fn area(&self, weights: &PairWeights, rough: &[f64], pair: [u32; 2], contact: &Contact) -> (f64, f64) {
+        let (pairs, faces) = (self.by_pairs(weights, rough, pair, contact), by_faces(weights, contact));
+        if pairs.1 <= faces.1 { pairs } else { faces }
+    }
+
+    /// Standard error of an area by where it ends; `gridded` is the largest share of what meets there that lies along the grid.
+    fn rim_error(&self, contact: &Contact, gridded: f64) -> f64 {
         let spacing = self.image.grid().spacing();
-        let (h, rim) = (spacing.geometric_mean(), contact.rim as f64);
-        // A cell of the rim is about half a spacing of its length.
-        let rim_cell = spacing.largest() * h;
-        let faces: f64 = weights.faces(&contact.pairs).iter().sum();
-        let gridded = ((GRIDDED - faces / area) / (GRIDDED - 1.0)).clamp(0.0, 1.0);
+        let (rim, cell) = (contact.rim as f64, spacing.largest() * spacing.geometric_mean());
+        libm::hypot(OF_RIM * cell * rim.sqrt(), OF_GRIDDED_RIM * gridded * cell * rim)
+    }
+
+    /// The area that pairs of voxels tell, and its error.
+    fn by_pairs(
+        &self,
+        weights: &PairWeights,
+        rough: &[f64],
+        pair: [u32; 2],
+        contact: &Contact,
+    ) -> (f64, f64) {
+        let area = weights.area(&contact.pairs);
+        if area <= 0.0 {
+            return (area, f64::INFINITY);
+        }
+        let h = self.image.grid().spacing().geometric_mean();
         let thin = |number: u32| match number {
             0 => 0.0,
             _ => weights.loss_of_layer(2.0 * self.volumes[number as usize] / area),
@@ -191,11 +233,11 @@ impl<'a> Partition<'a> {
         let errors = [
             OF_DIRECTIONS * area,
             OF_SURFACE * h * area.sqrt(),
-            OF_RIM * rim_cell * rim.sqrt(),
-            OF_GRIDDED_RIM * gridded * rim_cell * rim,
             area * pair.map(thin).into_iter().fold(0.0, f64::max),
+            weights.change(&contact.by_way),
+            area * pair.map(|number| rough[number as usize]).into_iter().fold(0.0, f64::max),
         ];
-        errors.into_iter().fold(0.0, libm::hypot)
+        (area, errors.into_iter().fold(0.0, libm::hypot))
     }
 
     /// What the band around the middle of two labels adds up to, away from all others; `None` where there is no blur at level
@@ -244,6 +286,21 @@ impl<'a> Partition<'a> {
         let integrals = Integrals::of(&sum, setup.grid.spacing());
         (integrals.band_voxels >= FEWEST && integrals.has_surface()).then_some(Core(integrals))
     }
+}
+
+/// The area that faces of voxels tell, for contacts of which pairs tell too little: a surface whose faces along the axes add
+/// up to f has at least the length of the vector f, where it is flat, and at most the sum of its parts.
+fn by_faces(weights: &PairWeights, contact: &Contact) -> (f64, f64) {
+    let faces = weights.faces(&contact.pairs);
+    let (least, most) = (faces.iter().map(|f| f * f).sum::<f64>().sqrt(), faces.iter().sum::<f64>());
+    // Anywhere between them.
+    (0.5 * (least + most), (most - least) / 12.0_f64.sqrt())
+}
+
+/// How much of a contact of some area lies along the grid, 0 to 1.
+fn gridded_share(weights: &PairWeights, contact: &Contact, area: f64) -> f64 {
+    let faces: f64 = weights.faces(&contact.pairs).iter().sum();
+    ((GRIDDED - faces / area) / (GRIDDED - 1.0)).clamp(0.0, 1.0)
 }
 
 /// The part of an interface that no third label is near.

@@ -7,7 +7,7 @@ use super::{Measured, SurfaceValues};
 use crate::integrals::Partial;
 use crate::local_geometry::{BandVoxel, Differentiation};
 use crate::tiling::{IndexBox, TILE};
-use crate::volume::{Affine, Grid, LabelImage, LabelTable, Shared, VolumeError};
+use crate::volume::{Affine, FieldOfView, Grid, LabelImage, LabelTable, Shared, VolumeError};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -67,6 +67,12 @@ impl Regions {
     /// The lattice.
     pub fn grid(&self) -> &Grid {
         self.image.grid()
+    }
+
+    /// Where there is any region.
+    pub fn place(&self) -> Option<FieldOfView> {
+        let bounds = self.image.summaries().iter().map(|summary| summary.bounds);
+        FieldOfView::new(self.grid(), &bounds.fold(IndexBox::EMPTY, |all, some| all.hull(&some)))
     }
 
     /// A region's name.

@@ -1,6 +1,6 @@
 //! Objects of which the blur loses detail are measured again, in the embedding that gives it back.
 
-use super::{Derivatives, EmbeddingKind, MeasureError, Measured, Measurement, Object, SurfaceValues};
+use super::{Clip, Derivatives, EmbeddingKind, MeasureError, Measured, Measurement, Object, SurfaceValues};
 use crate::accuracy::FlagCode;
 use crate::volume::{Mask, Shared};
 
@@ -51,7 +51,9 @@ impl Measurement {
 
     /// The choices by which doubtful objects are measured again; `None` where the blur is the caller's own choice.
     pub(crate) fn recovering(&self) -> Option<Self> {
-        (*self == Self::default()).then(|| Self::default().embedding(EmbeddingKind::Recovering))
+        // What becomes of cut objects says nothing of the others.
+        let others = Self { clip: Clip::Cap, ..*self };
+        (others == Self::default()).then(|| others.embedding(EmbeddingKind::Recovering))
     }
 }
 
@@ -71,7 +73,7 @@ impl Measured {
         let largest = |area: f64| others.into_iter().flatten().fold(area, f64::max);
         let faces = self.blurred.surface_area_mm2.map_or(unknown, |area| largest(area) / face);
         let feasible = self.voxels.count >= LEAST_VOXELS && faces <= most;
-        feasible && self.flags.iter().any(|flag| DOUBTS.contains(&flag.code))
+        feasible && self.clip.is_none() && self.flags.iter().any(|flag| DOUBTS.contains(&flag.code))
     }
 
     /// What the errors of A and M amount to together: their product, in which neither's unit counts; without bound where

@@ -11,6 +11,8 @@ use super::viewpoint::Viewpoint;
 
 /// Reach of the axes of an oblique view.
 const TRIAD: f64 = 18.0;
+/// Height of the axes with their letters, which stand below the object.
+const AXES: f64 = 56.0;
 
 /// What a panel shows, and its name.
 pub(crate) struct Panel {
@@ -26,7 +28,7 @@ impl Panel {
 
     /// Room for letters around the object, or for axes below it.
     fn content(&self) -> Content {
-        let below = if self.prospect.view.basis().letters().is_some() { LETTER } else { 2.0 * TRIAD };
+        let below = if self.prospect.view.basis().letters().is_some() { LETTER } else { AXES };
         let rim = [2.0 * LETTER, NAME + LETTER + below];
         Content { extent: self.prospect.extent, rim, least_width: text_width(&self.name, LABEL) }
     }
@@ -64,7 +66,7 @@ fn draw_panel(
     }
     let letters = prospect.view.basis().letters().map(|l| l.map(String::from));
     // Axes take room below the object, which moves up.
-    let lift = if letters.is_some() { 0.0 } else { TRIAD - 0.5 * LETTER };
+    let lift = if letters.is_some() { 0.0 } else { 0.5 * (AXES - LETTER) };
     canvas.image(place.area, &render(lift))?;
     let [x, y, _, height] = place.area;
     match letters {

@@ -3,15 +3,37 @@
 use super::beside::beside;
 use super::called::with_name;
 use super::fingerprint::Fingerprint;
-use super::reading::Voxels;
-use super::{InputObject, Opened, Plan, RunError};
+use super::reading::{Voxels, grey_values};
+use super::{BesideRole, InputObject, Opened, Plan, RunError};
 use crate::Control;
+use crate::accuracy::{Flag, FlagCode};
 use crate::inputs::open;
 use crate::measurement::Object;
 use crate::surface::{Placed, Surface, SurfaceChange};
-use crate::volume::{LabelGroup, LabelImage, LabelSelection, LabelTable, Mask, Segments, Selected};
+use crate::volume::{
+    FieldOfView, LabelGroup, LabelImage, LabelSelection, LabelTable, Mask, Segments, Selected, VolumeError,
+};
 use serde::Serialize;
 use std::sync::Arc;
+
+/// What of a later object's own flags bears on distances to its surface.
+const DOUBTS: [FlagCode; 9] = [
+    FlagCode::TouchesBorder,
+    FlagCode::SurfaceLeavesField,
+    FlagCode::NothingBetweenCuts,
+    FlagCode::CompensationFailed,
+    FlagCode::SurfaceVanished,
+    FlagCode::EmptyBand,
+    FlagCode::ThinForSigma,
+    FlagCode::NarrowGap,
+    FlagCode::DetailLost,
+];
+/// Share of the area without a distance from which on a flag tells of it.
+const TOLD_SHARE: f64 = 0.0005;
+const NO_ORIGINAL: RunError = RunError::Unfit(
+    "an object too thin for this sigma (flag compensation-failed) has no surface of before the blur, and no distance from it or to it; \
+     choose a smaller sigma, or a scale for curvature",
+);
 
 /// A later image of the same objects in the same world, as of a scan that was registered: read once.
 ///
@@ -35,6 +57,8 @@ pub struct Against {
     voxels: Voxels,
     segments: Option<Segments>,
     table: LabelTable,
+    /// Of the image, whatever its objects.
+    flags: Vec<Flag>,
     fingerprint: Arc<Fingerprint>,
 }
 
@@ -67,9 +91,15 @@ impl Against {
     pub fn read(input: &Opened, plan: &Plan) -> Result<Self, RunError> {
         input.begin_hashing();
         let voxels = Voxels::of(input, plan.measurement.embedding);
+        let voxels = voxels.map_err(|error| told_of(input.name, error))?;
+        let mut flags = input.source.flags();
+        if let Voxels::Labels(image) = &voxels {
+            flags.extend(grey_values(image.summaries().len(), image.looks_grey()));
+        }
         Ok(Self {
             name: input.name.to_owned(),
-            voxels: voxels.map_err(|error| told_of(input.name, error))?,
+            voxels,
+            flags,
             segments: input.source.segments(),
             table: input.source.label_table(),
             fingerprint: Arc::clone(&input.fingerprint),
@@ -77,33 +107,73 @@ impl Against {
     }
 
     /// Compares the surface of an object with that of the later one of the same label, and keeps what there is at each vertex.
+    /// What is doubtful about that becomes a flag of the object.
     ///
     /// # Errors
-    /// [`RunError::Beside`] where there is no such label, or nothing is left of it.
+    /// [`RunError::Beside`] where there is no such label, nothing is left of it, or it lies elsewhere; [`RunError::Unfit`] where
+    /// the object has no surface of before the blur.
     pub(super) fn change(&self, first: &mut InputObject) -> Result<AgainstRecord, RunError> {
-        let change = self.change_of(first).map_err(|error| told_of(&self.name, error))?;
+        let is_refused = first.local.is_none() && lacks_original(&first.measured().flags);
+        first.control().check()?;
+        if is_refused {
+            return Err(NO_ORIGINAL);
+        }
+        let (change, doubts) = self.change_of(first).map_err(|error| told_of(&self.name, error))?;
+        first.flags_beside.extend(self.flag(&change, &doubts));
         Ok(AgainstRecord { input: self.name.clone(), input_sha256: self.fingerprint.text(), change })
     }
 
-    fn change_of(&self, first: &mut InputObject) -> Result<SurfaceChange, RunError> {
-        let later = self.object(first)?;
+    fn change_of(&self, first: &mut InputObject) -> Result<(SurfaceChange, Vec<Flag>), RunError> {
+        let later = self.object(first, first.local())?;
+        let flags = match &first.local {
+            Some(_) => self.object(first, &first.object)?.measure().flags,
+            None => later.measure().flags,
+        };
+        first.control().check()?;
+        if first.local.is_none() && lacks_original(&flags) {
+            return Err(NO_ORIGINAL);
+        }
         let surface = later.surface();
         first.control().check()?;
-        let noise = [first.local().position_noise(), later.position_noise()];
-        let here = Placed { surface: first.surface(), noise: noise[0].as_ref() };
-        let there = Placed { surface: &surface, noise: noise[1].as_ref() };
+        let (local, known) = (first.local(), later.field_of_view());
+        let noise = [local.position_noise(), later.position_noise()];
+        let here =
+            Placed { surface: first.surface(), noise: noise[0].as_ref(), known: local.field_of_view() };
+        let there = Placed { surface: &surface, noise: noise[1].as_ref(), known };
         let changes = Surface::changes_to(here, there).ok_or(RunError::NoSurface)?;
         // Of the way back only distances are wanted.
         let [here, there] = [here, there].map(|placed| Placed { noise: None, ..placed });
         let from_later = Surface::changes_to(there, here).ok_or(RunError::NoSurface)?;
+        if [&changes, &from_later].into_iter().any(|changes| changes.iter().all(|c| c.distance.is_nan())) {
+            let place = FieldOfView::new(local.grid(), &local.mask().bounds());
+            let (here, there) = place.zip(known).ok_or(RunError::NoSurface)?;
+            return Err(RunError::apart(here, there));
+        }
         let first = first.surface_mut().ok_or(RunError::NoSurface)?;
         first.set_changes(&changes);
-        first.change(&surface, &from_later).ok_or(RunError::NoSurface)
+        Ok((first.change(&surface, &from_later).ok_or(RunError::NoSurface)?, flags))
     }
 
-    /// The object of the same label, looked at as the first is.
-    fn object(&self, first: &InputObject) -> Result<Object, RunError> {
-        let measurement = first.local().comparable();
+    /// What the later image does not tell of an object, and what is doubtful about what it tells; `None` where nothing is.
+    fn flag(&self, change: &SurfaceChange, of_object: &[Flag]) -> Option<Flag> {
+        let share = change.share_without_distance;
+        let unknown = format!(
+            "{:.1} % of the area has no distance and is in no mean, for it lies outside the later image, or as near to where an image cuts \
+             the object as the cut is told (3 sigma): compare with an image of the same part",
+            100.0 * share
+        );
+        let of_object = of_object.iter().filter(|flag| DOUBTS.contains(&flag.code));
+        let quoted = |flag: &Flag| format!("its flag {}: {}", flag.code, flag.message);
+        let told = (share > TOLD_SHARE).then_some(unknown);
+        let told: Vec<String> =
+            told.into_iter().chain(self.flags.iter().chain(of_object).map(quoted)).collect();
+        let message = || format!("the later image {}: {}", self.name, told.join("; "));
+        (!told.is_empty()).then(|| Flag::new(FlagCode::ImageBeside, message()))
+    }
+
+    /// The object of the same label, looked at as the first is when it is set up like this.
+    fn object(&self, first: &InputObject, like: &Object) -> Result<Object, RunError> {
+        let measurement = like.comparable();
         let object = match &self.voxels {
             Voxels::Field(field) => measurement.prepare_field(field)?,
             Voxels::Probability(image) => measurement.prepare_probability(image)?,
@@ -117,8 +187,10 @@ impl Against {
 
     fn mask(&self, image: &LabelImage, label: &LabelGroup) -> Result<Mask, RunError> {
         let selection = LabelSelection::Groups(vec![label.clone()]);
-        let found = Selected::of(&selection, image, self.segments.as_ref())
-            .map_err(|error| with_name(error, &self.table))?;
+        let found = Selected::of(&selection, image, self.segments.as_ref()).map_err(|error| match error {
+            VolumeError::NoSuchLabel { missing, present } => RunError::NoLaterLabel { missing, present },
+            other => with_name(other, &self.table),
+        })?;
         let values = found.into_iter().next().map_or_else(|| label.clone(), |object| object.values);
         Ok(image.group_mask(&values))
     }
@@ -126,5 +198,10 @@ impl Against {
 
 /// An error of the later input.
 fn told_of(name: &str, error: RunError) -> RunError {
-    beside("the later image", name, error)
+    beside(BesideRole::Later, name, error)
+}
+
+/// Whether compensation for the blur failed, on which distances rest.
+fn lacks_original(flags: &[Flag]) -> bool {
+    flags.iter().any(|flag| flag.code == FlagCode::CompensationFailed)
 }

@@ -1,11 +1,13 @@
 //! Images that are read beside the inputs: regions that objects are split by, volumes that are put on their surfaces.
 
-use super::{Plan, RunError, WordError};
+use super::{BesideRole, InputObject, Plan, RunError, WordError};
 use crate::Choice;
-use crate::inputs::{OpenOptions, input_title, known_stem, open};
-use crate::measurement::{Interface, Regions};
+use crate::accuracy::{Flag, FlagCode};
+use crate::inputs::{InputError, OpenOptions, input_title, known_stem, open};
+use crate::io::ReadError;
+use crate::measurement::{Interface, RegionPart, Regions};
 use crate::surface::{LocalQuantity, SampledVolume};
-use crate::volume::{FieldImage, LabelGroup, LabelImage};
+use crate::volume::{FieldOfView, LabelGroup, LabelImage, VolumeError};
 use std::path::Path;
 use std::str::FromStr;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -51,11 +53,41 @@ impl RegionImage {
     fn read(&self) -> Result<Arc<Regions>, RunError> {
         let read = || {
             let source = open(&self.file, &OpenOptions::default())?;
-            let image = LabelImage::from_slabs(&mut source.slabs()?)?;
+            let image = LabelImage::from_slabs(&mut source.slabs()?).map_err(no_regions)?;
+            if source.segments().is_some_and(|segments| segments.overlap()) {
+                return Err(RunError::Unfit(
+                    "its segments overlap, and a place has one region: write them as one label image",
+                ));
+            }
+            if image.looks_grey() {
+                return Err(NO_REGIONS);
+            }
             Ok(Regions::new(image, source.label_table())?)
         };
-        self.image.get(read).map_err(|error| beside("regions", &self.file, error))
+        self.image.get(read).map_err(|error| beside(BesideRole::Regions, &self.file, error))
     }
+}
+
+const NO_REGIONS: RunError = RunError::Unfit(
+    "its values are no labels, but grey values or fractions; regions are the labels of an image, as of an atlas: make one of it",
+);
+
+/// An error of an image as one of regions: what makes labels of an input makes none of it.
+fn no_regions(error: InputError) -> RunError {
+    match error {
+        InputError::Read(ReadError::Volume(
+            VolumeError::GreyValues { .. }
+            | VolumeError::Fractional { .. }
+            | VolumeError::FaintForeground { .. },
+        )) => NO_REGIONS,
+        other => other.into(),
+    }
+}
+
+/// The warning of an object none of which is in a region.
+pub(super) fn without_region(parts: &[RegionPart]) -> Option<Flag> {
+    let message = "no part of the object lies in a region: all of it is in region 0; check that the regions are in the same world coordinates";
+    parts.iter().all(|part| part.region == 0).then(|| Flag::new(FlagCode::ImageBeside, message))
 }
 
 /// A volume that is put on surfaces, on a lattice of its own, as it is written: `FILE`, or `NAME=FILE`.
@@ -92,19 +124,22 @@ impl SampleImage {
         &self.name
     }
 
+    /// Its file.
+    pub fn file(&self) -> &str {
+        &self.file
+    }
+
     fn read(&self) -> Result<Arc<SampledVolume>, RunError> {
         let read = || {
             let source = open(&self.file, &OpenOptions::default())?;
-            let field = FieldImage::from_slabs(&mut source.slabs()?)?;
-            let no_place = RunError::Unfit("its voxels lie in one place: mend its affine");
-            SampledVolume::new(self.name.clone(), field).ok_or(no_place)
+            Ok(SampledVolume::from_slabs(self.name.clone(), &mut source.slabs()?)?)
         };
-        self.volume.get(read).map_err(|error| beside("sample", &self.file, error))
+        self.volume.get(read).map_err(|error| beside(BesideRole::Sample, &self.file, error))
     }
 }
 
 /// An error of such an image; that the run was told to stop is none.
-pub(super) fn beside(what: &'static str, file: &str, error: RunError) -> RunError {
+pub(super) fn beside(what: BesideRole, file: &str, error: RunError) -> RunError {
     if error.is_stop() {
         return error;
     }
@@ -127,6 +162,33 @@ impl Beside {
             samples: plan.samples.iter().map(SampleImage::read).collect::<Result<_, _>>()?,
             interfaces: None,
         })
+    }
+
+    /// That regions are not all elsewhere than the objects.
+    pub(super) fn check_regions(&self, plan: &Plan, objects: Option<FieldOfView>) -> Result<(), RunError> {
+        let regions = self.regions.as_ref().and_then(|regions| regions.place());
+        match (objects, regions, &plan.regions) {
+            (Some(here), Some(there), Some(image)) if !here.may_meet(&there) => {
+                Err(beside(BesideRole::Regions, image.file(), RunError::apart(here, there)))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// Of each volume that has no value anywhere on an object's surface, why.
+    pub(super) fn without_values(&self, plan: &Plan, object: &InputObject) -> Vec<RunError> {
+        let (surface, local) = (object.surface(), object.local());
+        let place = FieldOfView::new(local.grid(), &local.mask().bounds());
+        let error = |volume: &SampledVolume| match place.zip(volume.place()) {
+            Some((here, there)) if !here.may_meet(&there) => RunError::apart(here, there),
+            _ => RunError::Unfit(
+                "it has no value anywhere on the surface: the surface lies beyond it, or its voxels there are NaN",
+            ),
+        };
+        let all = plan.samples.iter().zip(&self.samples).zip(&surface.samples);
+        all.filter(|(_, sample)| !surface.is_empty() && sample.values.iter().all(|v| v.is_nan()))
+            .map(|((image, volume), _)| beside(BesideRole::Sample, &image.file, error(volume)))
+            .collect()
     }
 
     /// The interfaces of an object; `None` where they are not asked for.

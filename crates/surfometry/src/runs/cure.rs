@@ -1,6 +1,6 @@
 //! What helps against an error, which each front end calls by its own names.
 
-use super::RunError;
+use super::{BesideRole, RunError};
 use crate::inputs::InputError;
 use crate::io::ReadError;
 use crate::measurement::MeasureError;
@@ -28,10 +28,13 @@ impl Cure {
     /// What helps against an error, where a choice of the caller's does.
     pub fn of(error: &RunError) -> Option<Self> {
         match error {
-            RunError::Beside { source, .. } => Self::of(source),
+            // The others are read as they are: what is chosen for the inputs would not help.
+            RunError::Beside { what: BesideRole::Later, source, .. } => Self::of(source),
             RunError::Input(InputError::MeshWithoutSpacing) => Some(Self::Spacing),
             RunError::NoSuchName { nameless: true, .. } => Some(Self::Names),
-            RunError::NoSuchName { .. } | RunError::NoVoxels { .. } => Some(Self::Label),
+            RunError::NoSuchName { .. } | RunError::NoVoxels { .. } | RunError::NoLaterLabel { .. } => {
+                Some(Self::Label)
+            }
             RunError::Input(InputError::Read(ReadError::UnknownContent(_))) => Some(Self::Raw),
             RunError::Input(InputError::Read(ReadError::Volume(error)))
             | RunError::Measure(MeasureError::Volume(error)) => Self::of_volume(error),

@@ -1,11 +1,12 @@
 //! Why not all that was asked of an input could be done.
 
+use super::Failure;
 use crate::Stopped;
 use crate::inputs::InputError;
 use crate::measurement::{MeasureError, StreamError};
-use crate::volume::{LabelGroup, VolumeError};
-use std::io;
+use crate::volume::{FieldOfView, LabelGroup, VolumeError};
 use std::path::PathBuf;
+use std::{fmt, io};
 use thiserror::Error;
 
 /// Why not all that was asked of an input could be done. The input's name is added by who knows it.
@@ -101,21 +102,69 @@ pub enum RunError {
         second: LabelGroup,
     },
     /// An image that is read beside the inputs.
-    #[error("{what} {file}: {source}")]
+    #[error("{what} {}", Failure::new(file, source))]
     Beside {
         /// What it is for.
-        what: &'static str,
+        what: BesideRole,
         /// Its name.
         file: String,
         /// Why.
         source: Box<RunError>,
+    },
+    /// An image that is read beside the inputs and lies elsewhere.
+    #[error(
+        "it knows nothing of the object, which lies at {here}: it reaches over {there}; bring both to the same world coordinates, as a \
+         registration does"
+    )]
+    Apart {
+        /// Where the object lies.
+        here: String,
+        /// Where the image does.
+        there: String,
+    },
+    /// A later image without the label of an object.
+    #[error(
+        "no label {missing} in it; it holds {present}: surfaces are compared label by label, so give an object the same label in both images, or \
+         choose among the labels that both have"
+    )]
+    NoLaterLabel {
+        /// What was looked for.
+        missing: i64,
+        /// What is there, shortened.
+        present: String,
     },
     /// What cannot be done with the input.
     #[error("{0}")]
     Unfit(&'static str),
 }
 
+/// What an image is for that is read beside the inputs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum BesideRole {
+    /// Its labels are regions of the objects.
+    Regions,
+    /// Its values are put on surfaces.
+    Sample,
+    /// Its surfaces are those with which others are compared.
+    Later,
+}
+
+impl fmt::Display for BesideRole {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Regions => "regions",
+            Self::Sample => "sample",
+            Self::Later => "the later image",
+        })
+    }
+}
+
 impl RunError {
+    /// Of an object that lies here, and an image that lies there.
+    pub(super) fn apart(here: FieldOfView, there: FieldOfView) -> Self {
+        Self::Apart { here: here.to_string(), there: there.to_string() }
+    }
+
     /// Whether it is no fault of the input: the run was told to stop.
     pub fn is_stop(&self) -> bool {
         matches!(self, Self::Input(InputError::Stopped(_)))

@@ -164,6 +164,17 @@ impl RunHead {
         Ok(())
     }
 
+    /// What an earlier run has finished: in the file of that name, and in the unfinished one.
+    fn left(&self, path: &Path, left: &str, partial: &Path) -> Result<(Entries, Entries), JournalError> {
+        let unfinished = Lines::of_text(left, partial)?;
+        let finished = if path.is_file() { Some(Lines::read(path)?) } else { None };
+        let entries = |lines: Option<Lines>| match lines {
+            Some(lines) => self.check_goes_on(&lines.head, path).map(|()| lines.entries),
+            None => Ok(HashMap::new()),
+        };
+        Ok((entries(finished)?, entries(unfinished)?))
+    }
+
     fn check_goes_on(&self, earlier: &Self, path: &Path) -> Result<(), JournalError> {
         let other_shard = (self.shard != earlier.shard).then(|| format!("shard {}", earlier.shard));
         match other_shard.or_else(|| earlier.settings.difference(&self.settings)) {
@@ -178,11 +189,14 @@ fn digest(names: &[String]) -> String {
     sha256_text(Sha256::new_with_prefix(names.join("\0")))
 }
 
+/// By inputs.
+type Entries = HashMap<String, Entry>;
+
 /// The lines of a journal: the last head, and the last entry of each input.
 #[derive(Debug)]
 pub(super) struct Lines {
     pub(super) head: RunHead,
-    pub(super) entries: HashMap<String, Entry>,
+    pub(super) entries: Entries,
 }
 
 impl Lines {
@@ -233,7 +247,7 @@ pub struct Journal {
 struct State {
     file: GrowingFile,
     /// What an earlier run has finished.
-    earlier: HashMap<String, Entry>,
+    earlier: Entries,
     /// Inputs of which this run has written what came of them.
     written: BTreeSet<String>,
     failed: Option<io::Error>,
@@ -263,13 +277,16 @@ impl Journal {
     /// [`JournalError`], also where the earlier run was another one.
     pub fn resume(path: &Path, head: RunHead) -> Result<Self, JournalError> {
         let (file, left) = GrowingFile::reopen_lines(path).map_err(at(path))?;
-        let unfinished = Lines::of_text(&left, file.partial())?;
-        let finished = if path.is_file() { Some(Lines::read(path)?) } else { None };
-        let entries = |lines: Option<Lines>| match lines {
-            Some(lines) => head.check_goes_on(&lines.head, path).map(|()| lines.entries),
-            None => Ok(HashMap::new()),
+        let (mut earlier, newer) = match head.left(path, &left, file.partial()) {
+            Ok(found) => found,
+            Err(refused) => {
+                if left.is_empty() {
+                    // The file was made by this run, which is refused.
+                    let _removed = file.discard();
+                }
+                return Err(refused);
+            }
         };
-        let (mut earlier, newer) = (entries(finished)?, entries(unfinished)?);
         let journal = Self::new(path, file, head)?;
         // The finished file is replaced by this one at the end.
         let only_finished = earlier.values().filter(|entry| !newer.contains_key(&entry.input));

@@ -80,6 +80,9 @@ impl Task for MapTask {
             let mut object = object?;
             object.surface();
             input.control.check()?;
+            for error in object.without_values(&self.plan) {
+                input.fail(object.failure(&error), out);
+            }
             let against = self.compared(input, &mut object, out)?;
             let written = self.write(input, &object, &files, out);
             if let Err(error) = self.share(&object, joint.as_mut()) {

@@ -1,10 +1,11 @@
 //! Whether automatic blurs of one run differ.
 
 use super::{Failure, Record, Sink};
+use crate::measurement::DescribedSurface;
 use std::io;
 
-/// Hands records on, and minds the range of their blurs: an automatic sigma follows the spacing, and numbers
-/// of images that differ in it are not comparable.
+/// Hands records on, and minds the range of their blurs where numbers are those of the blurred surface: an automatic sigma
+/// follows the spacing, and such numbers of images that differ in it are not comparable.
 pub struct SigmaRange<'a> {
     inner: &'a mut dyn Sink<Record>,
     low: f64,
@@ -26,7 +27,8 @@ impl<'a> SigmaRange<'a> {
 
 impl Sink<Record> for SigmaRange<'_> {
     fn row(&mut self, row: Record) -> io::Result<()> {
-        if let Some(sigma) = row.measured.parameters.sigma_mm {
+        let blurred = row.measured.surface == DescribedSurface::Blurred;
+        if let Some(sigma) = row.measured.parameters.sigma_mm.filter(|_| blurred) {
             (self.low, self.high) = (self.low.min(sigma), self.high.max(sigma));
         }
         self.inner.row(row)

@@ -72,7 +72,7 @@ pub(crate) use document::FORMULA;
 pub(crate) use document::csv_lines;
 pub use document::{CsvSink, DocumentForm, JsonLinesSink, JsonSink, Row};
 pub use embed::{EmbedTask, EmbeddedObject};
-pub use error::RunError;
+pub use error::{BesideRole, RunError};
 pub use file_ledger::FileLedger;
 pub use flatten::flatten;
 pub use info::{AffineDescription, InfoTask, InputDescription, LabelDescription};

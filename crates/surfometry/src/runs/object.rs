@@ -1,6 +1,6 @@
 //! One object of an input, ready for whatever is asked of it.
 
-use super::beside::Beside;
+use super::beside::{Beside, without_region};
 use super::fingerprint::Fingerprint;
 use super::{ExplainTopology, Failure, Plan, Record, RunError};
 use crate::accuracy::Flag;
@@ -56,6 +56,8 @@ pub struct InputObject {
     /// Its numbers, where they had to be known to choose the embedding.
     pub(super) measured: Option<Measured>,
     pub(super) truth: Option<Truth>,
+    /// Warnings of what was found in images beside the input.
+    pub(super) flags_beside: Vec<Flag>,
 }
 
 impl InputObject {
@@ -96,6 +98,11 @@ impl InputObject {
             surface.samples = samples.iter().map(|volume| volume.on(&surface.mesh)).collect();
             surface
         })
+    }
+
+    /// Of each volume that was to be put on its surface and has no value there, why.
+    pub(super) fn without_values(&self, plan: &Plan) -> Vec<RunError> {
+        self.facts.beside.without_values(plan, self)
     }
 
     /// The regions that it is split by, where there are any.
@@ -149,6 +156,11 @@ impl InputObject {
         measured
     }
 
+    /// Its numbers without explanations, which are kept.
+    pub(super) fn measured(&mut self) -> &Measured {
+        self.measured.get_or_insert_with(|| self.object.measure())
+    }
+
     /// What was done to its voxels before.
     fn preparation(&self) -> Option<PreparedObject> {
         self.facts.preparations.as_ref().map(|all| all.of(self.label.as_ref()))
@@ -165,6 +177,8 @@ impl InputObject {
         let beside = &self.facts.beside;
         let regions = beside.regions.as_ref().map(|regions| self.object.regions(&measured, regions));
         measured.flags.splice(0..0, self.input_flags());
+        measured.flags.extend(self.flags_beside.iter().cloned());
+        measured.flags.extend(regions.as_deref().and_then(without_region));
         Record {
             input: self.facts.input.clone(),
             label: self.label.clone(),

@@ -10,10 +10,11 @@ use crate::accuracy::{Flag, FlagCode};
 use crate::inputs::{InputError, Source};
 use crate::measurement::{CurvatureScale, EmbeddingKind, Interface, Measured};
 use crate::phantoms::Truth;
+use crate::tiling::IndexBox;
 use crate::topology::{ComponentLabels, Connectivity};
 use crate::volume::{
-    FieldImage, LabelGroup, LabelImage, LabelSelection, LabelTable, Mask, ProbabilityImage, Segments,
-    Selected, Slab, SlabReader,
+    FieldImage, FieldOfView, LabelGroup, LabelImage, LabelSelection, LabelTable, Mask, ProbabilityImage,
+    Segments, Selected, Slab, SlabReader,
 };
 use crate::{Control, Event, Stopped};
 use serde::{Deserialize, Serialize};
@@ -58,6 +59,22 @@ enum Content {
     Labels(Box<Labelled>),
     Probability { image: Arc<ProbabilityImage>, truth: Option<Truth> },
     Field(Arc<FieldImage>),
+}
+
+impl Content {
+    /// Where the selected objects lie; `None` without any.
+    fn place(&self) -> Option<FieldOfView> {
+        let (grid, voxels) = match self {
+            Self::Labels(labelled) => {
+                let labels = labelled.objects.iter().flat_map(|object| object.values.labels());
+                let bounds = labels.filter_map(|label| Some(labelled.image.summary(*label)?.bounds));
+                (labelled.image.grid(), bounds.fold(IndexBox::EMPTY, |all, some| all.hull(&some)))
+            }
+            Self::Probability { image, .. } => (image.grid(), image.grid().index_box()),
+            Self::Field(field) => (field.grid(), field.grid().index_box()),
+        };
+        FieldOfView::new(grid, &voxels).filter(|_| !voxels.is_empty())
+    }
 }
 
 /// A label image, and what was selected of it.
@@ -109,6 +126,7 @@ impl<'a> Reading<'a> {
             facts.flags.extend(grey_values(labelled.image.summaries().len(), labelled.image.looks_grey()));
         }
         facts.beside = Beside { interfaces: interfaces(source, plan, &content)?, ..Beside::read(plan)? };
+        facts.beside.check_regions(plan, content.place())?;
         let facts = Arc::new(facts);
         Ok(Self { plan, control: input.control, facts, scales, content })
     }
@@ -276,6 +294,7 @@ impl<'a> Reading<'a> {
             surface: OnceLock::new(),
             measured: None,
             truth: None,
+            flags_beside: Vec::new(),
         }
     }
 }

@@ -7,6 +7,9 @@ use crate::surface::{CurvatureSummary, Distribution, QUANTILES, SampleSummary, S
 use serde::Serialize;
 use std::collections::BTreeSet;
 
+/// Share of the area without a sample's value from which on a flag tells of it.
+const TOLD_SHARE: f64 = 0.0005;
+
 /// Name and version of the format.
 pub const MAP_SCHEMA: &str = "surfometry.map/1";
 
@@ -84,16 +87,35 @@ impl SurfaceRecord {
             );
             record.measured.flags.push(Flag::new(FlagCode::VanishingGradient, message));
         }
+        let samples: Vec<SampleSummary> =
+            surface.samples.iter().map(|sample| sample.summary(surface)).collect();
+        record.measured.flags.extend(samples.iter().filter_map(sample_flag));
         Self {
             record,
             curvature: surface.curvature_summary(),
             quantiles: QUANTILES,
             distributions: surface.distributions().to_vec(),
             region_distributions: Vec::new(),
-            samples: surface.samples.iter().map(|sample| sample.summary(surface)).collect(),
+            samples,
             vertices_without_normal,
             against: None,
             files: Vec::new(),
         }
     }
+}
+
+/// The warning of a sample that does not cover a surface, or is the same all over it.
+fn sample_flag(sample: &SampleSummary) -> Option<Flag> {
+    let outside = (sample.share_outside > TOLD_SHARE).then(|| {
+        format!(
+            "{:.1} % of the area has no value and is in no mean or correlation, for it lies outside the volume or beside voxels that are NaN",
+            100.0 * sample.share_outside
+        )
+    });
+    let constant = sample.is_constant().then(|| {
+        "it is the same everywhere on the surface, up to rounding, and has no correlation".to_owned()
+    });
+    let told: Vec<String> = outside.into_iter().chain(constant).collect();
+    let message = || format!("sample {}: {}", sample.name, told.join("; "));
+    (!told.is_empty()).then(|| Flag::new(FlagCode::ImageBeside, message()))
 }

@@ -45,6 +45,7 @@ impl Task for SurfaceTask {
             let mut object = object?;
             object.surface();
             input.control.check()?;
+            object.without_values(&self.plan).into_iter().next().map_or(Ok(()), Err)?;
             let against = self.against.as_ref().map(|later| later.change(&mut object)).transpose()?;
             let (title, record) = (object.title(), SurfaceRecord::of(&object));
             let record = SurfaceRecord { against, ..record };

@@ -1,7 +1,7 @@
 //! An object's numbers over a range of a parameter, as a picture.
 
 use super::map_files::write_figure;
-use super::{FileLedger, MapStyle, Record, RunError, SweptParameter, flatten};
+use super::{FileLedger, Record, RunError, SweptParameter, flatten};
 use crate::inputs::input_title;
 use crate::measurement::{DescribedSurface, Measured, SurfaceValues};
 use crate::pictures::{ChartLine, ChartPanel, LineChart};
@@ -18,6 +18,8 @@ pub struct SweepChart {
     pub measures: Vec<String>,
     /// Whether equal ratios are equally far apart.
     pub log: bool,
+    /// Pixels of a PNG to a CSS pixel.
+    pub dpi_scale: f64,
 }
 
 /// What lines and bands are: of the chart without a choice, and of chosen measures.
@@ -58,7 +60,7 @@ pub(super) fn write_sweep_chart(
              where it drifts or jumps, parts are lost or the grid shows."
         ),
     };
-    write_figure(&drawn.figure(), path, MapStyle::default().dpi_scale)
+    write_figure(&drawn.figure(), path, chart.dpi_scale)
 }
 
 /// A panel for each measure.

@@ -5,6 +5,7 @@ use super::spread_mean::SpreadMean;
 use super::{Distribution, LocalQuantity, Mesh, Moments, QUANTILES, Surface, VertexGeometry};
 use crate::accuracy::PositionNoise;
 use crate::space::{dot, length, minus};
+use crate::volume::FieldOfView;
 use rayon::prelude::*;
 use serde::Serialize;
 
@@ -12,7 +13,7 @@ use serde::Serialize;
 /// normals.
 const VARIANCES_OVER: f64 = 2.5;
 
-/// What a later surface is like where it is closest to a vertex.
+/// What a later surface is like where it is closest to a vertex: not a number where that is not known.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct VertexChange {
     /// Distance to it, mm: positive where it lies outside, negative inside.
@@ -32,11 +33,15 @@ pub struct Placed<'a> {
     pub surface: &'a Surface,
     /// Of its object: [`Object::position_noise`](crate::measurement::Object::position_noise).
     pub noise: Option<&'a PositionNoise>,
+    /// Where it is known: [`Object::field_of_view`](crate::measurement::Object::field_of_view); everywhere where `None`.
+    pub known: Option<FieldOfView>,
 }
 
 /// The change from one surface to a later one as a whole, by area of the first.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct SurfaceChange {
+    /// Share of the area of the first surface on which it is not known, and which is in none of these numbers.
+    pub share_without_distance: f64,
     /// Of the later surface, outward positive, mm.
     pub distance_mm: ChangeMoments,
     /// Of H, 1/mm.
@@ -68,7 +73,8 @@ impl Surface {
     /// What a later surface is like where it is closest to each vertex. `None` where it is empty.
     ///
     /// Distances are those to the nearest of all its triangles, with what the curved surface over it rises by, and from
-    /// surfaces whose shift by a blur is taken off. The nearest point need not be the one that a vertex has moved to.
+    /// surfaces whose shift by a blur is taken off. The nearest point need not be the one that a vertex has moved to. Nothing is
+    /// known at a vertex where either surface is not, and where the nearest point is one that an image's edge made.
     pub fn changes_to(first: Placed, later: Placed) -> Option<Vec<VertexChange>> {
         if later.surface.is_empty() {
             return None;
@@ -76,11 +82,16 @@ impl Surface {
         let closest = ClosestPoints::new(&later.surface.mesh);
         let variances = first.variances().zip(later.variances());
         let change = |number: usize| {
-            let point = closest.to(first.surface.mesh.vertices[number])?;
+            let place = first.surface.mesh.vertices[number];
+            let point = closest.to(place)?;
             let distance_error = variances.as_ref().map(|(here, there)| {
                 (here[number][0] + point.between(|corner| there[corner][0])).sqrt() as f32
             });
-            Some(VertexChange { distance_error, ..changed(first.surface, number, later.surface, &point) })
+            let change =
+                VertexChange { distance_error, ..changed(first.surface, number, later.surface, &point) };
+            let there = point.vector_between(|corner| later.surface.mesh.vertices[corner]);
+            let is_known = first.is_known(place) && later.is_known(place) && later.is_known(there);
+            Some(if is_known { change } else { change.unknown() })
         };
         (0..first.surface.vertices.len()).into_par_iter().map(change).collect()
     }
@@ -99,12 +110,15 @@ impl Surface {
         let distances = |surface: &Self, of: &dyn Fn(usize) -> Option<f64>| {
             let areas = surface.weights();
             let far: Option<Vec<f64>> = (0..areas.len()).map(|n| of(n).map(f64::abs)).collect();
-            Some(Distribution::of(LocalQuantity::Distance.name(), &far?, &areas)?.by_area)
+            let known = far?.into_iter().zip(areas).filter(|(far, _)| !far.is_nan());
+            let (far, areas): (Vec<f64>, Vec<f64>) = known.unzip();
+            Some(Distribution::of(LocalQuantity::Distance.name(), &far, &areas)?.by_area)
         };
         let there = distances(self, &|n| self.vertices[n].change.map(|c| f64::from(c.distance)))?;
         let back = distances(later, &|n| from_later.get(n).map(|c| f64::from(c.distance)))?;
         let within = QUANTILES.iter().position(|&share| share == 0.95)?;
         Some(SurfaceChange {
+            share_without_distance: self.share_without_distance(),
             distance_mm: self.moments(LocalQuantity::Distance, |c| c.distance_error)?,
             mean_curvature_change_per_mm: self
                 .moments(LocalQuantity::MeanCurvatureChange, |c| c.mean_curvature_error)?,
@@ -113,16 +127,28 @@ impl Surface {
         })
     }
 
+    /// Share of the area at whose vertices no change is known.
+    fn share_without_distance(&self) -> f64 {
+        let areas = self.weights();
+        let known = self.vertices.iter().zip(&areas).filter(|(vertex, _)| vertex.has_known_change());
+        1.0 - known.map(|(_, area)| area).sum::<f64>() / areas.iter().sum::<f64>()
+    }
+
     fn moments(
         &self,
         quantity: LocalQuantity,
         error: fn(&VertexChange) -> Option<f32>,
     ) -> Option<ChangeMoments> {
         let Moments { mean, standard_deviation, quantiles, .. } = self.distribution(quantity)?.by_area;
-        let areas = self.weights();
-        let whole: f64 = areas.iter().sum();
+        let known: Vec<(&VertexGeometry, f64)> = self
+            .vertices
+            .iter()
+            .zip(self.weights())
+            .filter(|(vertex, _)| vertex.has_known_change())
+            .collect();
+        let whole: f64 = known.iter().map(|(_, area)| area).sum();
         let by_area = |of: &dyn Fn(f64, f64) -> f64| {
-            let weighed = self.vertices.iter().zip(&areas).map(|(vertex, area)| {
+            let weighed = known.iter().map(|(vertex, area)| {
                 let error = f64::from(error(vertex.change.as_ref()?)?);
                 Some(area * of(quantity.at(vertex)?, error))
             });
@@ -140,7 +166,30 @@ impl Surface {
     }
 }
 
+impl VertexChange {
+    /// The same where nothing is known.
+    fn unknown(self) -> Self {
+        let unknown = |error: Option<f32>| error.map(|_| f32::NAN);
+        Self {
+            distance: f32::NAN,
+            distance_error: unknown(self.distance_error),
+            mean_curvature: f32::NAN,
+            mean_curvature_error: unknown(self.mean_curvature_error),
+        }
+    }
+}
+
+impl VertexGeometry {
+    fn has_known_change(&self) -> bool {
+        self.change.is_some_and(|change| !change.distance.is_nan())
+    }
+}
+
 impl Placed<'_> {
+    fn is_known(&self, place: [f64; 3]) -> bool {
+        self.known.is_none_or(|known| known.contains(place))
+    }
+
     /// Variance of each vertex' place along the normal, mm^2; `None` where no model of it holds.
     fn variances(&self) -> Option<Vec<[f64; 1]>> {
         let (noise, Mesh { vertices: places, .. }) = (self.noise?, &self.surface.mesh);

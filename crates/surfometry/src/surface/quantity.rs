@@ -114,8 +114,8 @@ impl LocalQuantity {
         self.name().ends_with("_standard_error")
     }
 
-    /// Its value at a vertex; `None` for a displacement or a standard error that is not defined, and where no later surface is
-    /// known.
+    /// Its value at a vertex; `None` for a displacement or a standard error that is not defined, and without a later surface; not a
+    /// number where that is not known.
     pub fn at(self, vertex: &VertexGeometry) -> Option<f64> {
         let curvature = &vertex.curvature;
         let error = |of: fn(&CurvatureErrors) -> f32| vertex.errors.as_ref().map(|e| f64::from(of(e)));

@@ -3,7 +3,9 @@
 use super::distribution::{bin_edges, bin_of, quantiles};
 use super::{LocalQuantity, Mesh, QUANTILES, Surface, VertexArray, VertexValues};
 use crate::statistics::{Places, SpatialCorrelation};
-use crate::volume::{Affine, FieldImage};
+use crate::volume::{
+    Affine, FieldImage, FieldOfView, FieldValues, Grid, LARGEST_FIELD_VALUE, SlabReader, VolumeError,
+};
 use serde::Serialize;
 
 /// Quantities that a sample is compared with.
@@ -12,11 +14,15 @@ const COMPARED: [LocalQuantity; 3] =
 /// Bins of a joint histogram along each axis.
 const BINS: usize = 24;
 
-/// A volume that is put on surfaces: values on a lattice of its own, linear between voxels.
+/// Share of the largest magnitude up to which values differ by rounding, and are one.
+const ROUNDING: f64 = 1e-9;
+
+/// A volume that is put on surfaces: values on a lattice of its own, linear between voxels. Not a number stands for no value.
 #[derive(Debug, Clone)]
 pub struct SampledVolume {
     name: String,
-    image: FieldImage,
+    grid: Grid,
+    values: FieldValues,
     to_index: Affine,
 }
 
@@ -25,19 +31,19 @@ pub struct SampledVolume {
 pub struct Sample {
     /// Its name.
     pub name: String,
-    /// One a vertex; outside the volume that of its nearest point.
+    /// One a vertex; not a number where the volume has none.
     pub values: Vec<f64>,
-    /// Whether the vertex lies in the volume: within half a voxel of a voxel's centre.
-    pub inside: Vec<bool>,
 }
 
-/// How a sample goes with curvature over a surface; vertices outside the volume and without a normal are left out.
+/// How a sample goes with curvature over a surface; vertices without a value and without a normal are left out.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct SampleSummary {
     /// Its name.
     pub name: String,
-    /// Vertices that lie outside the volume.
+    /// Vertices that lie outside the volume, or where it has no value.
     pub vertices_outside: u64,
+    /// Share of the surface's area that they stand for.
+    pub share_outside: f64,
     /// Area-weighted mean and standard deviation; `None` where no vertex is left.
     pub mean: Option<f64>,
     /// As `mean`.
@@ -74,8 +80,31 @@ pub struct JointHistogram {
 impl SampledVolume {
     /// Of a field and its name; `None` of an image whose voxels lie in one place.
     pub fn new(name: impl Into<String>, image: FieldImage) -> Option<Self> {
-        let to_index = image.grid().affine().inverted()?;
-        Some(Self { name: name.into(), image, to_index })
+        let (grid, values) = image.into_parts();
+        Some(Self { name: name.into(), to_index: grid.affine().inverted()?, grid, values })
+    }
+
+    /// Reads a volume from its slabs; its values may be not a number.
+    ///
+    /// # Errors
+    /// The source's own, and [`VolumeError`] where values are infinite or beyond 1e30, or too few, or all lie in one place.
+    pub fn from_slabs<R: SlabReader>(name: impl Into<String>, reader: &mut R) -> Result<Self, R::Error> {
+        let (values, grid) = (FieldValues::from_slabs(reader)?, *reader.grid());
+        let (found, expected) = (values.len(), grid.voxel_count());
+        if found != expected {
+            return Err(VolumeError::Incomplete { found, expected }.into());
+        }
+        if let Some(offset) = (0..found).find(|&offset| values.get(offset).abs() > LARGEST_FIELD_VALUE) {
+            let (index, value) = (grid.index_of(offset), values.get(offset));
+            return Err(VolumeError::InfiniteSample { index, value }.into());
+        }
+        let to_index = grid.affine().inverted().ok_or(VolumeError::NonFiniteAffine)?;
+        Ok(Self { name: name.into(), grid, values, to_index })
+    }
+
+    /// Where it has voxels.
+    pub fn place(&self) -> Option<FieldOfView> {
+        FieldOfView::new(&self.grid, &self.grid.index_box())
     }
 
     /// Its name.
@@ -83,11 +112,14 @@ impl SampledVolume {
         &self.name
     }
 
-    /// Its value at a point of the world, mm, linear between voxels, and whether that lies in it.
-    pub fn at(&self, world: [f64; 3]) -> (f64, bool) {
-        let dimensions = self.image.grid().dimensions();
+    /// Its value at a point of the world, mm, linear between voxels; not a number half a voxel beyond the outermost centres, and
+    /// between voxels of which one has no value.
+    pub fn at(&self, world: [f64; 3]) -> f64 {
+        let dimensions = self.grid.dimensions();
         let index = self.to_index.apply(world);
-        let inside = (0..3).all(|a| (-0.5..=dimensions[a] as f64 - 0.5).contains(&index[a]));
+        if !(0..3).all(|a| (-0.5..=dimensions[a] as f64 - 0.5).contains(&index[a])) {
+            return f64::NAN;
+        }
         let last: [f64; 3] = std::array::from_fn(|a| (dimensions[a] - 1) as f64);
         let index: [f64; 3] = std::array::from_fn(|a| index[a].clamp(0.0, last[a]));
         let low: [usize; 3] =
@@ -97,17 +129,16 @@ impl SampledVolume {
             let step: [usize; 3] = std::array::from_fn(|a| n >> a & 1);
             let place: [usize; 3] = std::array::from_fn(|a| (low[a] + step[a]).min(dimensions[a] - 1));
             let weight: f64 = (0..3).map(|a| if step[a] == 1 { part[a] } else { 1.0 - part[a] }).product();
-            let value =
-                self.image.values().get((place[2] * dimensions[1] + place[1]) * dimensions[0] + place[0]);
+            let value = self.values.get((place[2] * dimensions[1] + place[1]) * dimensions[0] + place[0]);
             if weight > 0.0 { weight * value } else { 0.0 }
         };
-        ((0..8).map(corner).sum(), inside)
+        (0..8).map(corner).sum()
     }
 
     /// At the vertices of a mesh.
     pub fn on(&self, mesh: &Mesh) -> Sample {
-        let (values, inside) = mesh.vertices.iter().map(|&vertex| self.at(vertex)).unzip();
-        Sample { name: self.name.clone(), values, inside }
+        let values = mesh.vertices.iter().map(|&vertex| self.at(vertex)).collect();
+        Sample { name: self.name.clone(), values }
     }
 }
 
@@ -121,21 +152,23 @@ impl Sample {
     pub fn summary(&self, surface: &Surface) -> SampleSummary {
         let weights = surface.weights();
         let kept: Vec<usize> = (0..self.values.len())
-            .filter(|&n| self.inside[n] && surface.vertices[n].has_normal && weights[n] > 0.0)
+            .filter(|&n| !self.values[n].is_nan() && surface.vertices[n].has_normal && weights[n] > 0.0)
             .collect();
         let of = |values: &[f64]| -> Vec<f64> { kept.iter().map(|&n| values[n]).collect() };
         let (own, areas) = (of(&self.values), of(&weights));
         let positions: Vec<[f64; 3]> = kept.iter().map(|&n| surface.mesh.vertices[n]).collect();
         let places = Places::new(&positions, &areas);
         let total: f64 = areas.iter().sum();
+        let whole: f64 = weights.iter().sum();
         let mean = |of: &dyn Fn(f64) -> f64| {
             let sum: f64 = own.iter().zip(&areas).map(|(value, area)| area * of(*value)).sum();
             (total > 0.0).then_some(sum / total)
         };
         let middle = mean(&|v| v);
         let spread = middle.and_then(|middle| mean(&|v| (v - middle) * (v - middle))).map(f64::sqrt);
+        let own = tied(&own);
         let correlation = |quantity: LocalQuantity| {
-            let values = of(&surface.values(quantity)?);
+            let values = tied(&of(&surface.values(quantity)?));
             Some(SampleCorrelation {
                 quantity: quantity.name(),
                 pearson: places.as_ref()?.pearson(&values, &own),
@@ -145,12 +178,35 @@ impl Sample {
         };
         SampleSummary {
             name: self.name.clone(),
-            vertices_outside: self.inside.iter().filter(|inside| !**inside).count() as u64,
+            vertices_outside: self.values.iter().filter(|value| value.is_nan()).count() as u64,
+            share_outside: if whole > 0.0 { 1.0 - total / whole } else { 0.0 },
             mean: middle,
             standard_deviation: spread,
             correlations: COMPARED.into_iter().filter_map(correlation).collect(),
         }
     }
+}
+
+impl SampleSummary {
+    /// Whether it is the same everywhere, and so goes with nothing.
+    pub fn is_constant(&self) -> bool {
+        !self.correlations.is_empty() && self.correlations.iter().all(|found| found.pearson.is_none())
+    }
+}
+
+/// The same, with one value for all that differ by rounding.
+fn tied(values: &[f64]) -> Vec<f64> {
+    let step = ROUNDING * values.iter().fold(0.0, |most: f64, value| most.max(value.abs()));
+    let mut order: Vec<usize> = (0..values.len()).collect();
+    order.sort_unstable_by(|&a, &b| values[a].total_cmp(&values[b]));
+    let (mut tied, mut lowest) = (values.to_vec(), f64::NEG_INFINITY);
+    for n in order {
+        if values[n] - lowest > step {
+            lowest = values[n];
+        }
+        tied[n] = lowest;
+    }
+    tied
 }
 
 impl JointHistogram {

@@ -181,8 +181,8 @@ impl Surface {
         LocalQuantity::ALL.par_iter().filter_map(of).collect()
     }
 
-    /// Distribution of one quantity, without the vertices whose gradient has collapsed; `None` where it is
-    /// not defined, or nothing is left.
+    /// Distribution of one quantity, without the vertices whose gradient has collapsed, or where it is not a number; `None`
+    /// where it is not defined, or nothing is left.
     pub fn distribution(&self, quantity: LocalQuantity) -> Option<&Distribution> {
         self.distributions().iter().find(|distribution| distribution.name == quantity.name())
     }
@@ -195,7 +195,8 @@ impl Surface {
     ) -> Option<Distribution> {
         let kept = |n: usize| {
             let vertex = &self.vertices[n];
-            if vertex.has_normal && holds(n) { Some((quantity.at(vertex)?, areas[n])) } else { None }
+            let value = quantity.at(vertex).filter(|value| !value.is_nan())?;
+            (vertex.has_normal && holds(n)).then_some((value, areas[n]))
         };
         let (values, areas): (Vec<f64>, Vec<f64>) = (0..self.vertices.len()).filter_map(kept).unzip();
         Distribution::of(quantity.name(), &values, &areas)

@@ -118,6 +118,16 @@ pub enum VolumeError {
         /// The value.
         value: f64,
     },
+    /// A voxel of a sampled volume is infinite, or as good as that.
+    #[error(
+        "voxel {index:?} is {value:e}, beyond 1e30: where that stands for no value write NaN, which is left out; otherwise scale the values"
+    )]
+    InfiniteSample {
+        /// Image index, x first.
+        index: [usize; 3],
+        /// The value.
+        value: f64,
+    },
     /// A voxel of a soft segmentation is no probability.
     #[error(
         "voxel {index:?} is {value}: a soft segmentation has values from 0 to 1; where they are 0..255 or percent divide them first, and \

@@ -49,6 +49,35 @@ impl FieldImage {
     /// # Errors
     /// The source's own, and those of [`FieldImage::new`].
     pub fn from_slabs<R: SlabReader>(reader: &mut R) -> Result<Self, R::Error> {
+        let values = FieldValues::from_slabs(reader)?;
+        Ok(Self::new(*reader.grid(), values)?)
+    }
+
+    /// The field's lattice.
+    pub fn grid(&self) -> &Grid {
+        &self.grid
+    }
+
+    /// Values, x fastest.
+    pub fn values(&self) -> &FieldValues {
+        &self.values
+    }
+
+    /// The lattice and the values.
+    pub(crate) fn into_parts(self) -> (Grid, FieldValues) {
+        (self.grid, self.values)
+    }
+
+    /// The voxels with phi < 0.
+    pub fn inside(&self) -> Mask {
+        let [nx, ny, _] = self.grid.dimensions();
+        Mask::from_predicate(self.grid, |[x, y, z]| self.values.get((z * ny + y) * nx + x) < 0.0)
+    }
+}
+
+impl FieldValues {
+    /// Reads values, whatever they are; double precision is kept, everything else becomes f32.
+    pub(crate) fn from_slabs<R: SlabReader>(reader: &mut R) -> Result<Self, R::Error> {
         let grid = *reader.grid();
         let too_large = |_| VolumeError::TooLarge { dimensions: grid.dimensions() };
         let mut values = FieldValues::F32(Vec::new());
@@ -69,27 +98,9 @@ impl FieldImage {
                 }
             }
         }
-        Ok(Self::new(grid, values)?)
+        Ok(values)
     }
 
-    /// The field's lattice.
-    pub fn grid(&self) -> &Grid {
-        &self.grid
-    }
-
-    /// Values, x fastest.
-    pub fn values(&self) -> &FieldValues {
-        &self.values
-    }
-
-    /// The voxels with phi < 0.
-    pub fn inside(&self) -> Mask {
-        let [nx, ny, _] = self.grid.dimensions();
-        Mask::from_predicate(self.grid, |[x, y, z]| self.values.get((z * ny + y) * nx + x) < 0.0)
-    }
-}
-
-impl FieldValues {
     /// Number of values.
     pub fn len(&self) -> usize {
         match self {

@@ -137,18 +137,20 @@ impl LabelImage {
     }
 }
 
-/// Labels from which on an image may be a grey one, and the share of the boxes around them that labels then have: each
-/// grey value lies all over the object.
-const GREY_LABELS: usize = 200;
+/// Labels from which on an image may be a grey one, and the share of the boxes around them that labels then have, in shares of
+/// one label of as many, or alone: each grey value lies all over the object.
+const GREY_LABELS: usize = 32;
+const GREY_SHARES: f64 = 2.0;
 const GREY_SHARE: f64 = 0.01;
 
 /// Whether labels, of each the voxels and those of the box around it, are more likely grey values.
 pub(crate) fn look_grey(labels: impl ExactSizeIterator<Item = (u64, u64)>) -> bool {
-    if labels.len() < GREY_LABELS {
+    let count = labels.len();
+    if count < GREY_LABELS {
         return false;
     }
     let sums = labels.fold((0.0, 0.0), |sums, (voxels, of)| (sums.0 + voxels as f64, sums.1 + of as f64));
-    sums.0 < GREY_SHARE * sums.1
+    sums.0 < GREY_SHARE.max(GREY_SHARES / count as f64) * sums.1
 }
 
 /// Voxels of a run along x, on the average, below which a value is a grey one: that of labels are parts of objects.

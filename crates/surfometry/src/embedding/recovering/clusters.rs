@@ -21,6 +21,9 @@ pub(super) struct Clusters {
     members: Vec<Vec<u32>>,
 }
 
+/// One voxel of so many tells how many pairs there are.
+const LOOKED_AT: usize = 64;
+
 /// Voxels that are listed together: each thread lists some hundred before it needs memory again.
 const AT_A_TIME: usize = 512;
 
@@ -45,6 +48,19 @@ impl Clusters {
         let links = Links::joined(parts);
         let members = groups(&links, list.len());
         Self { links, members }
+    }
+
+    /// How many pairs of a list see each other, about: one voxel of some dozens is looked at.
+    pub(super) fn pairs(list: &VoxelList, kernel: &PairKernel) -> usize {
+        let (reach, least) = (kernel.reach_above(SEEN), SEEN * kernel.peak());
+        let seen_from = |number: usize| {
+            let mut seen = 0;
+            list.for_each_within(list.place(number), reach, |_, distance| {
+                seen += usize::from(kernel.at(distance).abs() >= least);
+            });
+            seen
+        };
+        (0..list.len()).into_par_iter().step_by(LOOKED_AT).map(seen_from).sum::<usize>() * LOOKED_AT
     }
 
     pub(super) fn count(&self) -> u64 {

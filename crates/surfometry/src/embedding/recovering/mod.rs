@@ -37,6 +37,10 @@ const MOST_LISTED: usize = 100_000;
 /// minutes to tell.
 const MOST_WEIGHED: usize = 2 * MOST_LISTED;
 
+/// Most pairs of listed voxels that see each other: eight bytes each, twice while they are listed, and looked at in each of
+/// some hundred sweeps. In a trabecular network of 10^5 voxels there are a fourth of it; in noise of 60³ voxels ten times as many.
+const MOST_PAIRS: usize = 1 << 25;
+
 /// The same as [`MOST_LISTED`] where they are listed as needed.
 const MOST_SPREAD: usize = 20_000;
 
@@ -189,6 +193,9 @@ impl Recovery {
             }
             listed.extend(more);
             listed.sort_by_key(|l| l.number);
+            if !is_affordable(&boundary, &kernel, &listed) {
+                break;
+            }
             found.rounds += 1;
             found.clusters = solve(&mut boundary, &kernel, &mut listed);
         }
@@ -210,7 +217,8 @@ impl Recovery {
         let is_listed = |number: &u32| listed.binary_search_by_key(number, |l| l.number).is_ok();
         let wrong = boundary.wrong().map(|number| number as u32);
         let refused: Vec<u32> = wrong.filter(|number| !is_listed(number)).collect();
-        if listed.len() > MOST_LISTED || self.is_wider_than(mask) {
+        let few = listed.len() <= MOST_LISTED && is_affordable(&boundary, &kernel, &listed);
+        if !few || self.is_wider_than(mask) {
             listed.clear();
         }
         let mut found = Corrections::of_evidence(&boundary, &evidence, listed.len());
@@ -224,7 +232,7 @@ impl Recovery {
             // little.
             let wrong = boundary.wrong().count();
             let slow = self.price != Price::Strict && 10 * wrong > 9 * before;
-            if (settled && more == 0) || slow {
+            if (settled && more == 0) || slow || !is_affordable(&boundary, &kernel, &listed) {
                 break;
             }
             before = wrong;
@@ -302,10 +310,19 @@ impl Recovery {
     }
 }
 
+/// Whether what hangs together on the list can be held and solved for.
+fn is_affordable(boundary: &Boundary, kernel: &PairKernel, listed: &[Listed]) -> bool {
+    Clusters::pairs(&voxel_list(boundary, listed), kernel) <= MOST_PAIRS
+}
+
+fn voxel_list(boundary: &Boundary, listed: &[Listed]) -> VoxelList {
+    let places = listed.iter().map(|l| boundary.voxels().place(l.number as usize)).collect();
+    VoxelList::new(boundary.voxels().bounds(), places)
+}
+
 /// Solves on the list and brings the boundary's phi up to date; the number of clusters.
 fn solve(boundary: &mut Boundary, kernel: &PairKernel, listed: &mut [Listed]) -> u64 {
-    let places = listed.iter().map(|l| boundary.voxels().place(l.number as usize)).collect();
-    let list = VoxelList::new(boundary.voxels().bounds(), places);
+    let list = voxel_list(boundary, listed);
     let directions: Vec<f64> = listed.iter().map(|l| boundary.direction(l.number as usize)).collect();
     let clusters = Clusters::new(&list, &directions, kernel);
     let given: Vec<f64> = listed

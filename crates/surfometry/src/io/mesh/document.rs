@@ -97,11 +97,13 @@ impl<'a> MeshDocument<'a> {
         if let Some(v) = self.mesh.triangles.as_flattened().iter().find(|&&v| v as usize >= vertices) {
             return Err(invalid(format!("a triangle names vertex {v} of {vertices}")));
         }
-        check_finite("the mesh's vertices", self.mesh.vertices.as_flattened(), 3)?;
+        check_values("the mesh's vertices", self.mesh.vertices.as_flattened(), 3, f32::is_finite)?;
         for array in self.arrays {
             let (values, components) = flat(array);
             check_length(&array.name, values.len() / components, vertices)?;
-            check_finite(&array.name, values, components)?;
+            // A number that is none stands for no value.
+            let is_value = |v: f32| v.is_finite() || (components == 1 && v.is_nan());
+            check_values(&array.name, values, components, is_value)?;
         }
         self.colors.map_or(Ok(()), |colors| check_length("the colours", colors.len(), vertices))
     }
@@ -114,9 +116,14 @@ fn check_length(name: &str, length: usize, vertices: usize) -> io::Result<()> {
     Err(invalid(format!("{name}: {length} values for {vertices} vertices")))
 }
 
-fn check_finite(name: &str, values: &[f64], components: usize) -> io::Result<()> {
+fn check_values(
+    name: &str,
+    values: &[f64],
+    components: usize,
+    is_value: impl Fn(f32) -> bool,
+) -> io::Result<()> {
     // A double beyond the range of f32 would turn into infinity on its way into the file.
-    match values.iter().position(|&v| !(v as f32).is_finite()) {
+    match values.iter().position(|&v| !is_value(v as f32)) {
         None => Ok(()),
         Some(at) => Err(invalid(format!(
             "{name}: the value at vertex {} is {:e}, which is not a finite number of single precision",
@@ -151,10 +158,21 @@ mod tests {
         let scalar = |v: Vec<f64>| VertexValues::Scalar(v);
         let short = refused(|d| d.arrays[1].values = scalar(vec![0.0; 3]));
         assert!(short.contains("mean_curvature_per_mm: 3 values for 4 vertices"));
-        for bad in [f64::NAN, f64::NEG_INFINITY, 1e39] {
+        for bad in [f64::INFINITY, f64::NEG_INFINITY, 1e39] {
             let message = refused(|d| d.arrays[1].values = scalar(vec![0.0, bad, 0.0, 0.0]));
             assert!(message.contains("mean_curvature_per_mm: the value at vertex 1"), "{message}");
         }
+    }
+
+    /// Not a number stands for no value, which no coordinate lacks.
+    #[test]
+    fn scalars_may_lack_values() {
+        let mut owned = tetrahedron();
+        owned.arrays[1].values = VertexValues::Scalar(vec![0.0, f64::NAN, 0.0, 0.0]);
+        owned.document().check().unwrap();
+        assert!(refused(|d| d.mesh.vertices[2][1] = f64::NAN).contains("vertices: the value at vertex 2"));
+        let vectors = VertexValues::Vector(vec![[0.0, f64::NAN, 0.0]; 4]);
+        assert!(refused(|d| d.arrays[1].values = vectors).contains("the value at vertex 0"));
     }
 
     #[test]

@@ -55,13 +55,14 @@ fn attributes<'a>(document: &MeshDocument<'a>) -> Vec<Attribute<'a>> {
     let normals = document.normals().map(|normals| vector("NORMAL", normals.as_flattened().into()));
     let colors = document.colors.map(|colors| vector("COLOR_0", linear(colors).into()));
     // An attribute that is the application's own begins with an underscore (3.7.2.1).
-    let own = document.other_arrays().map(|array| {
+    let own = document.other_arrays().filter_map(|array| {
         let (values, components) = flat(array);
-        Attribute {
+        // Not a number is none of glTF's values (3.6.2.2), and no other one would stand for that there is none.
+        values.iter().all(|v| !v.is_nan()).then(|| Attribute {
             semantic: format!("_{}", array.name.to_ascii_uppercase()),
             components,
             values: values.into(),
-        }
+        })
     });
     [positions].into_iter().chain(normals).chain(colors).chain(own).collect()
 }
@@ -131,6 +132,7 @@ fn extremes(vertices: &[[f64; 3]], pick: fn(f32, f32) -> f32) -> Option<[f32; 3]
 mod tests {
     use super::super::test_meshes::{f32_at, tetrahedron, u32_at};
     use super::*;
+    use crate::surface::VertexValues;
 
     #[test]
     fn chunks_accessors_and_values() {
@@ -162,5 +164,15 @@ mod tests {
         let positions = &root["accessors"][0];
         assert_eq!(positions["max"], json!([1.5, 0.0, 3.1f32]));
         assert_eq!(positions["min"], json!([0.5, -1.0, 2.0]));
+    }
+
+    /// What lacks values is left out, and all else is where it was.
+    #[test]
+    fn not_a_number_is_in_no_attribute() {
+        let mut owned = tetrahedron();
+        owned.arrays[1].values = VertexValues::Scalar(vec![0.0, f64::NAN, 0.0, 0.0]);
+        let semantics: Vec<String> = attributes(&owned.document()).into_iter().map(|a| a.semantic).collect();
+        assert!(semantics.contains(&"_DIRECTION_1".to_owned()), "{semantics:?}");
+        assert!(!semantics.contains(&"_MEAN_CURVATURE_PER_MM".to_owned()), "{semantics:?}");
     }
 }

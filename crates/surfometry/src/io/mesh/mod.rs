@@ -78,7 +78,8 @@ impl MeshFormat {
 ///
 /// # Errors
 /// `InvalidInput` for an unknown extension or a document that does not hold together: no triangles, a vertex
-/// number or a length that is off, a value that is not finite. Otherwise whatever the file system says.
+/// number or a length that is off, a value that is infinite, or is not a number where that does not stand for a scalar's
+/// lack. Otherwise whatever the file system says.
 pub fn write_mesh(path: impl AsRef<Path>, document: &MeshDocument<'_>) -> io::Result<Vec<PathBuf>> {
     let path = path.as_ref();
     let Some(format) = MeshFormat::of_path(path) else {

@@ -39,8 +39,8 @@ class Camera {
     this.halfHeight *= factor;
   }
 
-  // The whole of some points' spheres in view.
-  fit(meshes) {
+  // The whole of some points in view, above a share of its height that is kept free.
+  fit(meshes, free) {
     const low = [Infinity, Infinity, Infinity], high = [-Infinity, -Infinity, -Infinity];
     const axes = [this.right, this.up, this.toward];
     for (const { positions } of meshes) {
@@ -55,7 +55,8 @@ class Camera {
     if (!(high[0] >= low[0])) return;
     const middle = low.map((v, a) => (v + high[a]) / 2), size = low.map((v, a) => high[a] - v);
     this.center = [0, 1, 2].map(w => axes.reduce((sum, axis, a) => sum + middle[a] * axis[w], 0));
-    this.halfHeight = 0.54 * Math.max(size[1], size[0] / this.aspect, 1e-6);
+    this.halfHeight = 0.54 * Math.max(size[1] / (1 - free), size[0] / this.aspect, 1e-6);
+    this.center = combined(this.center, 1, this.up, -this.halfHeight * free);
     this.depth = 2 * Math.hypot(...size) + 1e-6;
   }
 

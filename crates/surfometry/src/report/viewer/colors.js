@@ -18,6 +18,10 @@ function rgbOf(hexadecimal) {
   return [1, 3, 5].map(i => parseInt(hexadecimal.slice(i, i + 2), 16));
 }
 
+function hexadecimalOf(rgb) {
+  return "#" + rgb.map(part => part.toString(16).padStart(2, "0")).join("");
+}
+
 // 256 colours with an alpha of 255, as a texture takes them.
 function colorTable(scale) {
   const table = new Uint8Array(4 * 256);

@@ -7,7 +7,7 @@ let current = null;
 function failuresSection() {
   if (!page.failures.length) return null;
   return element("section", {}, element("h2", {}, "Not measured"),
-    element("ul", { class: "flags" }, ...page.failures.map(({ input, error }) => element("li", {}, element("b", {}, input), ": ", error))));
+    element("ul", { class: "flags" }, ...page.failures.map(({ input, error }) => element("li", {}, element("b", {}, element("bdi", {}, input)), ": ", element("bdi", {}, error)))));
 }
 
 function show() {
@@ -24,9 +24,9 @@ function show() {
 
 // What stands on paper for an object that is not open.
 function sheet(object) {
-  return element("section", { class: "sheet" }, element("h2", {}, colourSwatch(object), object.title), valuesTable(object.result), flagList(object.result),
-    object.thumbnail ? element("img", { src: object.thumbnail, alt: "" }) : element("p", {}, object.scene_note),
-    distributionsTable(object.result), methodPart(object.result));
+  const picture = object.thumbnail ? element("img", { src: object.thumbnail, alt: "" }) : element("p", {}, object.scene_note);
+  return element("section", { class: "sheet" }, ...[element("h2", {}, colourSwatch(object), object.title), picture, valuesTable(object.result),
+    flagList(object.result), distributionsTable(object.result), methodPart(object.result)].filter(Boolean));
 }
 
 let sheets = null;

@@ -9,14 +9,14 @@ function methodPart(result) {
     ["Band", `${parameters.delta} delta, thickness ${digits(parameters.thickness_mm)} mm, ε = ${digits(parameters.epsilon)}; quadrature ${parameters.quadrature}`],
     ["Image", `${grid.dimensions.join(" × ")} voxels of ${grid.spacing_mm.map(h => digits(h)).join(" × ")} mm`],
     ["Mesh", `${digits(mesh.vertices)} vertices, ${digits(mesh.triangles)} triangles, topology of the trilinear interpolant`],
-    ["Input", result.input, ...(result.label === null ? [] : [`, label ${result.label}`])],
+    ["Input", element("bdi", {}, result.input), ...(result.label === null ? [] : [`, label ${result.label}`])],
     result.input_sha256 && ["SHA-256", element("code", {}, result.input_sha256)],
   ];
   return part("Method", definitions(pairs.filter(Boolean)));
 }
 
 function provenanceSection({ provenance, made_by: made }) {
-  const files = source => source.files.map(file => element("div", {}, `${file.name}: ${file.bytes} bytes, `, element("code", {}, `SHA-256 ${file.sha256}`)));
+  const files = source => source.files.map(file => element("div", {}, element("bdi", {}, file.name), `: ${file.bytes} bytes, `, element("code", {}, `SHA-256 ${file.sha256}`)));
   return element("section", { class: "provenance" }, element("h2", {}, "How this was made"),
     element("p", {}, "surfometry measures the level set φ = 0 of a smooth embedding of the label image, after Besler et al., ",
       element("i", {}, "Local Morphometry of Closed, Implicit Surfaces"),
@@ -26,6 +26,6 @@ function provenanceSection({ provenance, made_by: made }) {
       ["Command", element("code", {}, provenance.command)],
       ["Version", `surfometry ${made.version}${made.commit ? ", commit " + made.commit : ""}`],
       provenance.created && ["Made", provenance.created],
-      ...provenance.sources.map(source => ["Input", source.input, ...files(source)]),
+      ...provenance.sources.map(source => ["Input", element("bdi", {}, source.input), ...files(source)]),
     ].filter(Boolean)));
 }

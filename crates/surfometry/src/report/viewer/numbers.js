@@ -13,13 +13,20 @@ function thousandths(value) {
   return (Math.round(value * 1000) / 1000 + 0).toFixed(3).replace("-", "−");
 }
 
-// A value and its standard error, with no more decimals than make the error's second digit.
+// A value to the second significant digit of its standard error, as the command line prints it: further digits are noise.
+function toItsError(value, error) {
+  if (value === null || value === undefined || !Number.isFinite(value) || !(error > 0)) return digits(value);
+  const places = 1 - Math.floor(Math.log10(error));
+  if (places > 6 || places < -10) return digits(value);
+  const unit = 10 ** -places;
+  // Adding 0 turns -0 into 0.
+  const text = places >= 0 ? value.toFixed(places) : String(Math.round(value / unit) * unit + 0);
+  return text.replace("-", "−");
+}
+
 function withError(value, error) {
   if (value === null || value === undefined) return "–";
-  if (!error) return digits(value);
-  const places = Math.max(0, 1 - Math.floor(Math.log10(error)));
-  const text = number => (places > 12 ? digits(number) : number.toFixed(places)).replace("-", "−");
-  return `${text(value)} ± ${text(error)}`;
+  return error ? `${toItsError(value, error)} ± ${toItsError(error, error)}` : digits(value);
 }
 
 function unitText(unit) {

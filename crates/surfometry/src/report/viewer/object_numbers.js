@@ -17,10 +17,11 @@ function valuesTable(result) {
   const values = (from, count) => MEASURES.map(measure => digits(from?.[measure], count));
   const rows = [];
   if (result.surface === "original") {
-    rows.push(["original", ...values(result).map(text => element("b", {}, text)), element("b", {}, digits(result.euler_characteristic))]);
     const errors = result.standard_error;
+    const known = MEASURES.map(measure => element("b", {}, toItsError(result[measure], errors[measure])));
+    rows.push(["original", ...known, element("b", {}, digits(result.euler_characteristic))]);
     if (MEASURES.some(measure => errors[measure] !== null)) {
-      rows.push(["its standard error", ...MEASURES.map(measure => errors[measure] === null ? "–" : "± " + digits(errors[measure], 2)), ""]);
+      rows.push(["its standard error", ...MEASURES.map(measure => errors[measure] === null ? "–" : "± " + toItsError(errors[measure], errors[measure])), ""]);
     }
   }
   const { topology } = result;

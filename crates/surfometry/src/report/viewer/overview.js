@@ -7,11 +7,11 @@ const TINTS = [{ value: "own", text: "own colours" }, ...SPREAD];
 class Overview {
   constructor(page) {
     this.page = page;
+    this.images = this.imagesOfMany();
     this.table = new ObjectTable(page, rows => this.drawSpread(rows));
     this.spread = drawn("svg", { viewBox: "0 0 420 150", class: "histogram", role: "img", "aria-label": "Distribution over the objects" });
     this.measure = SPREAD[0].value;
     this.tint = TINTS[0].value;
-    this.images = this.imagesOfMany();
     this.stage = element("div", {});
     this.element = element("article", { class: "overview" },
       this.images.length > 0 && element("section", { class: "together" }, element("h2", {}, "Together"), this.stage),
@@ -26,13 +26,15 @@ class Overview {
     this.marked = null;
   }
 
-  // Inputs of several objects, with the numbers of those that have surfaces.
+  // Inputs of several objects, with the numbers of those that have surfaces, each of which has a colour then.
   imagesOfMany() {
     const images = new Map();
     this.page.objects.forEach((object, number) => {
       if (!object.scene_note) images.set(object.result.input, [...(images.get(object.result.input) ?? []), number]);
     });
-    return [...images].filter(([, numbers]) => numbers.length > 1).map(([input, numbers]) => ({ input, numbers }));
+    const several = [...images].filter(([, numbers]) => numbers.length > 1).map(([input, numbers]) => ({ input, numbers }));
+    several.flatMap(image => image.numbers).forEach(number => { this.page.objects[number].colour ??= hexadecimalOf(hueOf(number)); });
+    return several;
   }
 
   async fill() {
@@ -61,7 +63,7 @@ class Overview {
     for (const number of image.numbers) {
       const scene = await unpackedScene(number);
       if (turn !== this.turn) return;
-      const colour = this.page.objects[number].colour, own = colour ? rgbOf(colour) : hueOf(number);
+      const own = rgbOf(this.page.objects[number].colour);
       this.parts.push({ number, own, solid: own, part: view.add(scene.mesh, own) });
     }
     this.recolour();
@@ -109,13 +111,16 @@ class Overview {
     const [low, high] = [values[0].value, values.at(-1).value], room = Math.max((high - low) * 0.03, Math.abs(high) * 1e-6, 1e-12);
     const x = value => 14 + (value - low + room) / (high - low + 2 * room) * 392, floor = 118;
     const radius = Math.min(4, Math.max(1.2, 60 / Math.sqrt(values.length))), heights = new Map();
-    const dots = values.map(({ value, row }) => {
+    const places = values.map(({ value }) => {
       const column = Math.round(x(value) / (2 * radius)), tall = heights.get(column) ?? 0;
       heights.set(column, tall + 1);
-      const y = floor - radius - tall * Math.min(2 * radius, 100 / Math.max(1, values.length / 8));
-      return drawn("circle", { cx: x(value), cy: Math.max(6, y), r: radius, class: "dot", onclick: () => this.pick(row.number, true) }, drawn("title", {}, `${row.title}: ${digits(value)}`));
+      return tall;
     });
-    const median = values[Math.floor((values.length - 1) / 2)].value;
+    // The tallest stack fits.
+    const step = Math.min(2 * radius, (floor - 6 - 2 * radius) / Math.max(1, ...places));
+    const dots = values.map(({ value, row }, n) =>
+      drawn("circle", { cx: x(value), cy: floor - radius - places[n] * step, r: radius, class: "dot", onclick: () => this.pick(row.number, true) }, drawn("title", {}, `${row.title}: ${digits(value)}`)));
+    const median = (values[(values.length - 1) >> 1].value + values[values.length >> 1].value) / 2;
     this.spread.replaceChildren(...dots,
       drawn("line", { x1: 10, x2: 410, y1: floor, y2: floor, class: "axis" }),
       drawn("line", { x1: x(median), x2: x(median), y1: 8, y2: floor, class: "used" }),

@@ -33,7 +33,7 @@ class SurfaceViewer {
   setAttribute(key) {
     this.attribute = this.attributes.find(attribute => attribute.key === key);
     this.values = this.attribute.values();
-    this.limits = this.fullLimits = robustLimits(this.attribute, this.values, this.scene.areas);
+    this.limits = this.typed = this.fullLimits = robustLimits(this.attribute, this.values, this.scene.areas);
     this.view.drawing.setValues(this.part, this.values);
     this.histogram.setData(this.values, this.scene.areas, this.attribute);
     this.setScale(this.scales[this.attribute.signed]);
@@ -50,10 +50,17 @@ class SurfaceViewer {
   }
 
   setLimits(limits) {
-    if (!(limits[1] > limits[0])) return;
+    const fits = limits[1] > limits[0];
+    this.typed = limits;
+    this.controls.querySelectorAll("input").forEach(input => {
+      const limit = limits[input.dataset.end];
+      if (document.activeElement !== input && Number.isFinite(limit)) input.value = shortened(limit);
+      input.setAttribute("aria-invalid", String(!fits));
+      input.title = fits ? "" : "The range must rise: what is drawn keeps the one before.";
+    });
+    if (!fits) return;
     this.limits = limits;
     this.setScale(this.scale);
-    this.controls.querySelectorAll("input").forEach(input => { if (document.activeElement !== input) input.value = shortened(limits[input.dataset.end]); });
   }
 
   drawControls() {
@@ -61,7 +68,7 @@ class SurfaceViewer {
     const suitable = this.page.scales.filter(scale => scale.signed === this.attribute.signed);
     const [low, high] = this.fullLimits, room = (high - low) / 2;
     const ends = ["from", "to"].map((name, end) => {
-      const set = event => this.setLimits(this.limits.map((limit, n) => n === end ? Number(event.target.value) : limit));
+      const set = event => this.setLimits(this.typed.map((limit, n) => n === end ? event.target.valueAsNumber : limit));
       // A range without its step rounds its value.
       const slide = { min: this.attribute.signed ? low - room : 0, max: high + room, step: (high - low) / 400 };
       const common = { "data-end": end, value: shortened(this.limits[end]) };

@@ -1,6 +1,8 @@
 // A view of surfaces that can be turned, with what lies over it: scale bar, directions, marks, lasso.
 
 const TURN_A_PIXEL = 0.009;
+// Height of the scale bar with its length, which lies below the whole object.
+const FOOT = 44;
 const DIRECTIONS = [["R", [1, 0, 0]], ["L", [-1, 0, 0]], ["A", [0, 1, 0]], ["P", [0, -1, 0]], ["S", [0, 0, 1]], ["I", [0, 0, -1]]];
 
 class SurfaceView {
@@ -40,7 +42,7 @@ class SurfaceView {
   }
 
   whole() {
-    this.camera.fit(this.meshes);
+    this.camera.fit(this.meshes, FOOT / Math.max(this.element.clientHeight, 4 * FOOT));
     this.redraw();
   }
 
@@ -97,8 +99,10 @@ class SurfaceView {
       return [drawn("line", { x1: 58, y1: height - 58, x2: 58 + 28 * x, y2: height - 58 - 28 * y, class: "axis" }),
         drawn("text", { x: at[0], y: at[1] + 4, "text-anchor": "middle" }, letter)];
     });
+    const barEnds = { x1: width - 20 - bar / mm, x2: width - 20, y1: height - 20, y2: height - 20 };
     const scaleBar = [
-      drawn("line", { x1: width - 20 - bar / mm, x2: width - 20, y1: height - 20, y2: height - 20, class: "bar" }),
+      drawn("line", { ...barEnds, class: "bar-rim" }),
+      drawn("line", { ...barEnds, class: "bar" }),
       drawn("text", { x: width - 20 - bar / mm / 2, y: height - 27, "text-anchor": "middle" }, `${digits(bar)} mm`),
     ];
     const marks = this.marks.filter(mark => mark.shown !== false).map(mark => {

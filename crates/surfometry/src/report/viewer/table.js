@@ -11,10 +11,16 @@ const COLUMNS = [
   { key: "flags", title: "flags", sort: row => row.flags.length, text: row => row.flags.join(", ") },
 ];
 
+// A text as it is searched: nobody knows whether names are joined by lines or spaces.
+function searchable(text) {
+  return text.toLowerCase().replace(/[\s_-]+/g, " ");
+}
+
 class ObjectTable {
   constructor(page, onchange) {
     Object.assign(this, { page, onchange, sorted: null, search: "", chosen: new Set(), cells: new Map() });
     this.rows = page.objects.map((object, number) => ({ number, ...object, flags: toldFlags(object.result).map(flag => flag.code) }));
+    this.rows.forEach(row => { row.words = searchable([row.title, row.result.input, ...row.flags].join(" ")); });
     this.body = element("tbody", {});
     this.count = element("span", { class: "lead count", "aria-live": "polite" });
     this.header = element("tr", {}, ...COLUMNS.map(column => {
@@ -31,25 +37,29 @@ class ObjectTable {
     const codes = [...new Set(this.rows.flatMap(row => row.flags))].sort();
     const counts = Object.fromEntries(codes.map(code => [code, this.rows.filter(row => row.flags.includes(code)).length]));
     const chip = (code, text) => element("button", {
-      type: "button", class: "chip", "data-flag": code, "aria-pressed": "false",
-      onclick: event => {
-        const on = this.chosen.has(code) ? (this.chosen.delete(code), false) : Boolean(this.chosen.add(code));
-        event.currentTarget.setAttribute("aria-pressed", String(on));
-        this.draw();
-      },
+      type: "button", class: "chip", "data-flag": code, "aria-pressed": "false", onclick: () => this.choose(code),
+      title: code ? "Shows objects that have this flag; of several that are pressed, those that have all of them" : "Shows objects without any flag",
     }, text);
     const none = this.rows.filter(row => !row.flags.length).length;
     return element("div", { class: "controls filters" },
-      element("label", {}, "Search ", element("input", { type: "search", oninput: event => { this.search = event.target.value.toLowerCase(); this.draw(); } })),
+      element("label", {}, "Search ", element("input", { type: "search", title: "In names, inputs and flags; a space stands for _ and - as well", oninput: event => { this.search = searchable(event.target.value); this.draw(); } })),
       this.count,
-      element("span", { class: "chips" }, ...codes.map(code => chip(code, `${code} ${counts[code]}`)), none > 0 && codes.length > 0 && chip("", `no flags ${none}`)));
+      this.chips = element("span", { class: "chips" }, ...codes.map(code => chip(code, `${code} ${counts[code]}`)), none > 0 && codes.length > 0 && chip("", `no flags ${none}`)));
+  }
+
+  // Presses a flag's button or lets it go. No object has a flag and none.
+  choose(code) {
+    if (this.chosen.has(code)) this.chosen.delete(code);
+    else this.chosen = code && !this.chosen.has("") ? this.chosen.add(code) : new Set([code]);
+    this.chips.querySelectorAll("button").forEach(chip => chip.setAttribute("aria-pressed", String(this.chosen.has(chip.dataset.flag))));
+    this.draw();
   }
 
   tr(row) {
     const cells = COLUMNS.map(column => {
       if (column.key === "title") {
         const picture = row.thumbnail && element("img", { src: row.thumbnail, alt: "", width: 56, height: 56 });
-        return element("td", {}, element("div", { class: "name" }, picture || element("span", { class: "no-picture" }), element("span", {}, colourSwatch(row), element("a", { href: `#object-${row.number + 1}` }, row.title))));
+        return element("td", {}, element("div", { class: "name" }, picture || element("span", { class: "no-picture" }), element("span", {}, colourSwatch(row), element("a", { href: `#object-${row.number + 1}`, title: row.title }, row.title))));
       }
       return element("td", {}, column.text ? column.text(row) : withError(row.result[column.key], row.result.standard_error[column.key]));
     });
@@ -70,8 +80,8 @@ class ObjectTable {
 
   // The rows that are shown, in their order; what has no value is last.
   shown() {
-    const fits = row => (!this.search || (row.title + " " + row.result.input).toLowerCase().includes(this.search))
-      && (!this.chosen.size || row.flags.some(flag => this.chosen.has(flag)) || (this.chosen.has("") && !row.flags.length));
+    const hasAll = flags => [...this.chosen].every(code => code ? flags.includes(code) : !flags.length);
+    const fits = row => row.words.includes(this.search) && hasAll(row.flags);
     const rows = this.rows.filter(fits);
     if (!this.sorted) return rows;
     const { column, descending } = this.sorted, value = column.sort ?? (row => row.result[column.key]);
