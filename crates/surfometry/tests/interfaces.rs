@@ -37,6 +37,11 @@ fn area(interface: &Interface) -> f64 {
     interface.values.surface_area_mm2.unwrap_or_default()
 }
 
+/// Labels that meet in a line have voxels' faces in common, and an area that is 0 within its error.
+fn assert_a_line(interface: &Interface) {
+    assert!(area(interface) < 2.0 * interface.standard_error.surface_area_mm2.unwrap(), "{interface:?}");
+}
+
 /// Errors of area in their standard errors, and whether each is small.
 #[derive(Default)]
 struct Scores(Vec<f64>);
@@ -86,7 +91,7 @@ fn octants_of_a_ball() {
                 _ if ((a - 1) ^ (b - 1)).count_ones() == 1 => {
                     scores.add("inner", interface, 0.25 * PI * radius * radius, 6.0);
                 }
-                _ => assert!(area(interface) < 0.02 * radius * radius, "{interface:?}"),
+                _ => assert_a_line(interface),
             }
         }
         let outer: f64 = found.iter().filter(|i| labels(i)[0] == 0).map(area).sum();
@@ -116,9 +121,10 @@ fn a_box_cut_into_eight() {
             match a {
                 0 => scores.add("outer", interface, outer, 4.0),
                 _ if apart.count_ones() == 1 => {
-                    scores.add("inner", interface, rectangle(apart.trailing_zeros() as usize), 9.0);
+                    // Along the grid a rectangle has whole voxels.
+                    scores.add("inner", interface, rectangle(apart.trailing_zeros() as usize), 12.0);
                 }
-                _ => assert!(area(interface) < 12.0, "{interface:?}"),
+                _ => assert_a_line(interface),
             }
         }
     }

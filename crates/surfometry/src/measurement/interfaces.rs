@@ -293,8 +293,8 @@ impl<'a> Partition<'a> {
 fn by_faces(weights: &PairWeights, contact: &Contact) -> (f64, f64) {
     let faces = weights.faces(&contact.pairs);
     let (least, most) = (faces.iter().map(|f| f * f).sum::<f64>().sqrt(), faces.iter().sum::<f64>());
-    // Anywhere between them.
-    (0.5 * (least + most), (most - least) / 12.0_f64.sqrt())
+    // Anywhere between them, and of boxes along the grid at the end.
+    (0.5 * (least + most), 0.4 * (most - least))
 }
 
 /// How much of a contact of some area lies along the grid, 0 to 1.
