@@ -61,8 +61,9 @@ pub use samples::{Samples, Scalar, ScalarType};
 pub(crate) use samples::{collected, for_samples};
 #[cfg(feature = "io")]
 pub use segments::{Segments, Selected};
+pub(crate) use selection::Found;
 #[cfg(feature = "io")]
-pub(crate) use selection::{Found, without_repeats};
+pub(crate) use selection::without_repeats;
 pub use selection::{LabelGroup, LabelSelection, ParseSelectionError};
 pub use shared::Shared;
 pub(crate) use shear::Shear;
