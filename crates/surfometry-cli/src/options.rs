@@ -182,46 +182,45 @@ impl PreparationOptions {
 
 /// How and what to measure.
 #[derive(Debug, Args)]
-#[command(next_help_heading = "Method")]
 pub(crate) struct MeasureOptions {
     #[command(flatten)]
     selection: InputSelection,
     /// Blur in mm [default: auto = 2 x the geometric mean of the spacings]; LABEL=MM is that of a label, as 2,20=1.5,21=auto
-    #[arg(long, value_name = "MM|auto|LABEL=MM,..", allow_hyphen_values = true)]
+    #[arg(long, help_heading = "Method", value_name = "MM|auto|LABEL=MM,..", allow_hyphen_values = true)]
     sigma: Option<Lengths>,
     /// Thickness of the band in mm [default: auto = 2.5 x the largest spacing]; by label as --sigma
-    #[arg(long, value_name = "MM|auto|LABEL=MM,..", allow_hyphen_values = true)]
+    #[arg(long, help_heading = "Method", value_name = "MM|auto|LABEL=MM,..", allow_hyphen_values = true)]
     thickness: Option<Lengths>,
     /// Half-width of the delta in units of the field, instead of a thickness
-    #[arg(long, hide_short_help = true, conflicts_with = "thickness", value_parser = positive, allow_hyphen_values = true)]
+    #[arg(long, help_heading = "Method", hide_short_help = true, conflicts_with = "thickness", value_parser = positive, allow_hyphen_values = true)]
     epsilon: Option<f64>,
     /// Level of the blurred mask that is the surface [default: 0.5]
-    #[arg(long, hide_short_help = true, value_parser = fraction, allow_hyphen_values = true)]
+    #[arg(long, help_heading = "Method", hide_short_help = true, value_parser = fraction, allow_hyphen_values = true)]
     level: Option<f64>,
     /// How an object becomes a field [default: gaussian; of an object of which that loses detail, in `measure`
     /// and `report`, recovering where its errors are smaller, unless other choices are made]
-    #[arg(long, value_parser = one_of::<EmbeddingKind>())]
+    #[arg(long, help_heading = "Method", value_parser = one_of::<EmbeddingKind>())]
     embedding: Option<EmbeddingKind>,
     /// How the field is differentiated [default: matched where sigma is 1.75 to 8 voxels, else gaussian;
     /// finite-difference without a blur]
-    #[arg(long, hide_short_help = true, value_parser = one_of::<Derivatives>())]
+    #[arg(long, help_heading = "Method", hide_short_help = true, value_parser = one_of::<Derivatives>())]
     derivatives: Option<Derivatives>,
     /// How voxels are summed [default: sum]
-    #[arg(long, hide_short_help = true, value_parser = one_of::<QuadratureRule>())]
+    #[arg(long, help_heading = "Method", hide_short_help = true, value_parser = one_of::<QuadratureRule>())]
     quadrature: Option<QuadratureRule>,
     /// Profile of the delta [default: sine]
-    #[arg(long, hide_short_help = true, value_parser = one_of::<Smearing>())]
+    #[arg(long, help_heading = "Method", hide_short_help = true, value_parser = one_of::<Smearing>())]
     delta: Option<Smearing>,
     /// What becomes of objects that the edge of the image cuts: closed with a flat cap, or measured between
     /// sections 3 sigma from the cuts
-    #[arg(long, default_value = "cap", value_parser = one_of::<Clip>())]
+    #[arg(long, help_heading = "Method", default_value = "cap", value_parser = one_of::<Clip>())]
     clip: Clip,
     /// Closes a given field where its edge cuts the object: beyond it the field rises to this positive number in
     /// its own units, `auto` to its largest value [default: the surface is left open there]
-    #[arg(long, hide_short_help = true, value_name = "VALUE|auto", value_parser = padding, allow_hyphen_values = true)]
+    #[arg(long, help_heading = "Method", hide_short_help = true, value_name = "VALUE|auto", value_parser = padding, allow_hyphen_values = true)]
     padding: Option<Padding>,
     /// The paper's choices: finite-difference, simpson, sigma 2, thickness 2.5; options given beside it win
-    #[arg(long)]
+    #[arg(long, help_heading = "Method")]
     paper: bool,
 }
 
