@@ -76,9 +76,15 @@ def ready(page):
     assert page.locator(".trouble").count() == 0
 
 
+def drawn(page):
+    """The page, once what was asked of it is drawn."""
+    page.evaluate("() => new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))")
+    return page
+
+
 def pixels(page, of=".scene canvas"):
     """What an element shows, once it has been drawn."""
-    page.evaluate("() => new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))")
+    drawn(page)
     picture = Image.open(io.BytesIO(page.locator(of).first.screenshot())).convert("RGB")
     return np.asarray(picture).astype(int)
 
@@ -281,7 +287,7 @@ def test_changes_of_topology_are_marked_on_the_surface(show):
     assert changes and page.locator(".places li").count() == len(changes)
     assert page.locator(".mark").count() == len(changes)
     page.locator(".places button").first.click()
-    x, y = map(float, re.findall(r"[\d.]+", page.locator(".mark").first.get_attribute("transform")))
+    x, y = map(float, re.findall(r"[\d.]+", drawn(page).locator(".mark").first.get_attribute("transform")))
     box = page.locator(".scene").bounding_box()
     assert (x, y) == (pytest.approx(box["width"] / 2, abs=2), pytest.approx(box["height"] / 2, abs=2))
 

@@ -422,6 +422,9 @@ fn a_missing_label_fails_alone() {
                 && failures[1].contains("`front` (label 3) has no voxels")
         );
     }
+    // Thousands are told of as fast as one.
+    let (labels, failures) = document(&["--label", "1-9000"]);
+    assert_eq!((labels.len(), failures.len()), (2, 8998));
     let mapped = run_in(folder.path(), &["map", &path, "--label", "2-4", "-o", "m.ply"]);
     assert_eq!(mapped.status.code(), Some(1));
     assert!(folder.path().join("m.ply").exists(), "{}", text(&mapped.stdout));

@@ -12,7 +12,6 @@ mod curvature_scale;
 mod flags;
 mod local_errors;
 mod occupancy_noise;
-mod open_rims;
 mod position_noise;
 mod scale;
 mod scale_choice;
@@ -27,7 +26,6 @@ pub use flags::{Flag, FlagCode};
 pub(crate) use flags::{decimals_for, place_text, thick_slices};
 pub(crate) use local_errors::scaled_errors;
 pub use local_errors::{CurvatureDifferences, CurvatureErrors, LocalErrorModel};
-pub(crate) use open_rims::mean_of_open_rims;
 pub use position_noise::PositionNoise;
 pub use scale::{
     AUTO_SIGMA_SPACINGS, AUTO_THICKNESS_SPACINGS, auto_sigma, auto_thickness, auto_thickness_of_blur,

@@ -113,6 +113,18 @@ impl ErrorModel {
         (area / (8.0 * PI.powi(3)) * self.lattice).sqrt()
     }
 
+    /// What open rims of so much length, mm, add to the standard error of M.
+    ///
+    /// Moving a surface by u changes the integral of H by that of u K, and along a rim by half of that of u's derivative across
+    /// it: of a closed surface's noise H sees next to nothing, of an open one's it sees how steep that is at the rim. The noise of a
+    /// blurred mask has the spectrum exp(-sigma^2 k^2): where H scatters by sqrt(S / (64 pi^4)) / sigma^3 (docs/method.md; S is the
+    /// sum of 1 / xi^4 over the reciprocal lattice) its slope does by sigma times that, and along a line it forgets itself over
+    /// 2 sqrt(pi) sigma.
+    pub(crate) fn mean_of_open_rims(&self, length: f64) -> f64 {
+        let slope = self.lattice.sqrt() / (8.0 * PI * PI * self.sigma * self.sigma);
+        0.5 * slope * (2.0 * PI.sqrt() * self.sigma * length).sqrt()
+    }
+
     /// Standard deviations of V, mm^3, and A, mm^2, by flat faces along the grid, of an area by axis: the place of one is
     /// known to h / sqrt 12 alone, as a whole, and it moves its rims.
     pub(crate) fn of_faces(&self, faces: [f64; 3]) -> [f64; 2] {

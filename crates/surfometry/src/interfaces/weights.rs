@@ -1,7 +1,7 @@
 //! Weights of displacements that make areas of counts.
 
 use crate::local_geometry::solved;
-use crate::space::{dot, half_sphere};
+use crate::space::{dot, half_sphere, length};
 use crate::volume::Spacing;
 use std::collections::BTreeMap;
 use std::f64::consts::{PI, TAU};
@@ -150,8 +150,7 @@ impl PairWeights {
         ask(BALLS / (scale * scale), 0.0, &|d| dot(d, d).sqrt().powi(3));
         let noise = NOISE * DIRECTIONS as f64 * scale * scale;
         for (d, orbit) in &self.displacements {
-            let length = self.mm(*d).map(|v| v * v).iter().sum::<f64>().sqrt();
-            system[*orbit][*orbit] += if length > longest { LEFT_OUT } else { noise };
+            system[*orbit][*orbit] += if length(self.mm(*d)) > longest { LEFT_OUT } else { noise };
         }
         solved(system).into_iter().map(|solution| solution[0]).collect()
     }

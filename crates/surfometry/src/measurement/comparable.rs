@@ -17,6 +17,12 @@ impl Object {
         self.setup.measurement.sigma_mm(self.setup.parameters.sigma_mm)
     }
 
+    /// The box around its voxels.
+    #[cfg(feature = "io")]
+    pub(crate) fn place(&self) -> Option<FieldOfView> {
+        FieldOfView::new(self.grid(), &self.mask().bounds())
+    }
+
     /// Where its surface is known to be its own: within its image, as far as it is measured, and farther from what cuts it than the
     /// cap is told.
     pub fn field_of_view(&self) -> Option<FieldOfView> {

@@ -12,8 +12,7 @@ use super::setup::Setup;
 use super::voxels::VoxelCounts;
 use super::warnings::{Evidence, NarrowPlace, raise_flags};
 use crate::accuracy::{
-    CompensationTerms, ErrorModel, Flag, FlagCode, band_variance, compensation_terms, mean_of_open_rims,
-    shear_errors, sheared,
+    CompensationTerms, ErrorModel, Flag, FlagCode, band_variance, compensation_terms, shear_errors, sheared,
 };
 use crate::integrals::{Integrals, SurfaceIntegrals};
 use crate::surface::SurfaceSummary;
@@ -121,10 +120,9 @@ impl Setup {
             }
             None => standard_error,
         };
-        let standard_error = match open.zip(self.parameters.shift_sigma()) {
-            Some((open, sigma)) => {
-                let mean = mean_of_open_rims(self.grid.spacing(), sigma, open.boundary.length);
-                standard_error.with(0.0, mean, &values)
+        let standard_error = match open.zip(errors) {
+            Some((open, model)) => {
+                standard_error.with(0.0, model.mean_of_open_rims(open.boundary.length), &values)
             }
             None => standard_error,
         };

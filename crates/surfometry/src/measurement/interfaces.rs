@@ -8,6 +8,7 @@ use crate::embedding::{Embedding, GaussianEmbedding};
 use crate::integrals::{Integrals, Partial};
 use crate::interfaces::{Contact, Contacts, Contrast, PairWeights};
 use crate::local_geometry::Differentiation;
+use crate::space::length;
 use crate::tiling::IndexBox;
 use crate::volume::{LabelGroup, LabelImage, VolumeError};
 use rayon::prelude::*;
@@ -95,16 +96,16 @@ impl Measurement {
         let rough = partition.roughness(&weights, &found);
         let areas: Vec<(f64, f64)> =
             found.iter().map(|(pair, contact)| partition.area(&weights, &rough, *pair, contact)).collect();
-        let mut gridded: BTreeMap<u32, f64> = BTreeMap::new();
+        let mut gridded = vec![0.0_f64; partition.objects.len()];
         for ((pair, contact), (area, _)) in found.iter().zip(&areas) {
             let share = gridded_share(&weights, contact, *area);
-            for number in pair {
-                let largest = gridded.entry(*number).or_default();
-                *largest = largest.max(share);
+            for number in pair.map(|number| number as usize) {
+                gridded[number] = gridded[number].max(share);
             }
         }
         let interface = |((pair, contact), &(area, error)): (&([u32; 2], Contact), &(f64, f64))| {
-            let rims = partition.rim_error(contact, gridded[&pair[0]].max(gridded[&pair[1]]));
+            let [here, there] = pair.map(|number| gridded[number as usize]);
+            let rims = partition.rim_error(contact, here.max(there));
             partition.interface(&setup, *pair, contact, (area, libm::hypot(error, rims)))
         };
         Ok(found.par_iter().zip(&areas).map(interface).collect())
@@ -189,15 +190,18 @@ impl<'a> Partition<'a> {
     /// By number, the share by which short displacements tell another area of all of a label's surface than all do: of a smooth
     /// one they tell the same. (Of a part of it they do not: where it ends.)
     fn roughness(&self, weights: &PairWeights, found: &[([u32; 2], Contact)]) -> Vec<f64> {
-        let of = |number: u32| {
-            let mut pairs = vec![0; weights.orbits()];
-            for (_, contact) in found.iter().filter(|(pair, _)| pair.contains(&number)) {
-                pairs.iter_mut().zip(&contact.pairs).for_each(|(sum, count)| *sum += count);
+        let mut sums = vec![[0.0; 2]; self.objects.len()];
+        for (pair, contact) in found {
+            let [area, short] = [weights.area(&contact.pairs), weights.area_of_short(&contact.pairs)];
+            for number in pair {
+                let [areas, shorts] = &mut sums[*number as usize];
+                (*areas, *shorts) = (*areas + area, *shorts + short);
             }
-            let area = weights.area(&pairs);
-            if area > 0.0 { OF_ROUGHNESS * (1.0 - weights.area_of_short(&pairs) / area).abs() } else { 0.0 }
+        }
+        let share = |[area, short]: [f64; 2]| {
+            if area > 0.0 { OF_ROUGHNESS * (1.0 - short / area).abs() } else { 0.0 }
         };
-        (0..self.objects.len() as u32).map(of).collect()
+        sums.into_iter().map(share).collect()
     }
 
     /// A contact's area, and its standard error but for that of rims.
@@ -292,7 +296,7 @@ impl<'a> Partition<'a> {
 /// up to f has at least the length of the vector f, where it is flat, and at most the sum of its parts.
 fn by_faces(weights: &PairWeights, contact: &Contact) -> (f64, f64) {
     let faces = weights.faces(&contact.pairs);
-    let (least, most) = (faces.iter().map(|f| f * f).sum::<f64>().sqrt(), faces.iter().sum::<f64>());
+    let (least, most) = (length(faces), faces.iter().sum::<f64>());
     // Anywhere between them, and of boxes along the grid at the end.
     (0.5 * (least + most), 0.4 * (most - least))
 }

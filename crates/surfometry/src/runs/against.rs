@@ -1,6 +1,6 @@
 //! A later image of the same objects, with whose surfaces those of a run are compared.
 
-use super::beside::beside;
+use super::beside::{TOLD_SHARE, beside, flag_beside};
 use super::called::with_name;
 use super::fingerprint::Fingerprint;
 use super::reading::{Voxels, grey_values};
@@ -11,7 +11,7 @@ use crate::inputs::open;
 use crate::measurement::Object;
 use crate::surface::{Placed, Surface, SurfaceChange};
 use crate::volume::{
-    FieldOfView, LabelGroup, LabelImage, LabelSelection, LabelTable, Mask, Segments, Selected, VolumeError,
+    LabelGroup, LabelImage, LabelSelection, LabelTable, Mask, Segments, Selected, VolumeError,
 };
 use serde::Serialize;
 use std::sync::Arc;
@@ -28,8 +28,6 @@ const DOUBTS: [FlagCode; 9] = [
     FlagCode::NarrowGap,
     FlagCode::DetailLost,
 ];
-/// Share of the area without a distance from which on a flag tells of it.
-const TOLD_SHARE: f64 = 0.0005;
 const NO_ORIGINAL: RunError = RunError::Unfit(
     "an object too thin for this sigma (flag compensation-failed) has no surface of before the blur, and no distance from it or to it; \
      choose a smaller sigma, or a scale for curvature",
@@ -145,8 +143,7 @@ impl Against {
         let [here, there] = [here, there].map(|placed| Placed { noise: None, ..placed });
         let from_later = Surface::changes_to(there, here).ok_or(RunError::NoSurface)?;
         if [&changes, &from_later].into_iter().any(|changes| changes.iter().all(|c| c.distance.is_nan())) {
-            let place = FieldOfView::new(local.grid(), &local.mask().bounds());
-            let (here, there) = place.zip(known).ok_or(RunError::NoSurface)?;
+            let (here, there) = local.place().zip(known).ok_or(RunError::NoSurface)?;
             return Err(RunError::apart(here, there));
         }
         let first = first.surface_mut().ok_or(RunError::NoSurface)?;
@@ -165,10 +162,8 @@ impl Against {
         let of_object = of_object.iter().filter(|flag| DOUBTS.contains(&flag.code));
         let quoted = |flag: &Flag| format!("its flag {}: {}", flag.code, flag.message);
         let told = (share > TOLD_SHARE).then_some(unknown);
-        let told: Vec<String> =
-            told.into_iter().chain(self.flags.iter().chain(of_object).map(quoted)).collect();
-        let message = || format!("the later image {}: {}", self.name, told.join("; "));
-        (!told.is_empty()).then(|| Flag::new(FlagCode::ImageBeside, message()))
+        let told = told.into_iter().chain(self.flags.iter().chain(of_object).map(quoted));
+        flag_beside(BesideRole::Later, &self.name, told)
     }
 
     /// The object of the same label, looked at as the first is when it is set up like this.

@@ -7,7 +7,7 @@ use crate::inputs::{OpenOptions, Source, distinct_parts, open};
 use crate::io::HashedFile;
 use crate::{Control, Event};
 use serde::{Deserialize, Serialize};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashSet};
 use std::io;
 use std::sync::{Arc, Mutex, PoisonError, mpsc};
 use std::time::Duration;
@@ -92,13 +92,7 @@ impl<'a> Opened<'a> {
     pub(super) fn lacks(&self, errors: impl IntoIterator<Item = RunError>) -> Result<(), RunError> {
         let mut errors = errors.into_iter();
         let Some(lacking) = &self.lacking else { return errors.next().map_or(Ok(()), Err) };
-        let mut lacking = lacking.lock().unwrap_or_else(PoisonError::into_inner);
-        for error in errors {
-            // Some inputs are read twice.
-            if lacking.iter().all(|known| known.to_string() != error.to_string()) {
-                lacking.push(error);
-            }
-        }
+        lacking.lock().unwrap_or_else(PoisonError::into_inner).extend(errors);
         Ok(())
     }
 
@@ -114,8 +108,12 @@ impl<'a> Opened<'a> {
             .lacking
             .iter()
             .flat_map(|lacking| std::mem::take(&mut *lacking.lock().unwrap_or_else(PoisonError::into_inner)));
-        for error in lacking {
-            self.fail(Failure::of(self.name, &error, cure), out);
+        // Some inputs are read twice, and lack the same then.
+        let mut told = HashSet::new();
+        for failure in lacking.map(|error| Failure::of(self.name, &error, cure)) {
+            if told.insert(failure.error.clone()) {
+                self.fail(failure, out);
+            }
         }
         done
     }

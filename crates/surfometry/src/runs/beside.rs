@@ -84,6 +84,16 @@ fn no_regions(error: InputError) -> RunError {
     }
 }
 
+/// Share of an object's area that an image beside it tells nothing of from which on a flag says so.
+pub(super) const TOLD_SHARE: f64 = 0.0005;
+
+/// The warning of an image beside the input, of all that there is to be told of it; `None` where that is nothing.
+pub(super) fn flag_beside(what: BesideRole, name: &str, told: impl Iterator<Item = String>) -> Option<Flag> {
+    let told: Vec<String> = told.collect();
+    let message = || format!("{what} {name}: {}", told.join("; "));
+    (!told.is_empty()).then(|| Flag::new(FlagCode::ImageBeside, message()))
+}
+
 /// The warning of an object none of which is in a region.
 pub(super) fn without_region(parts: &[RegionPart]) -> Option<Flag> {
     let message = "no part of the object lies in a region: all of it is in region 0; check that the regions are in the same world coordinates";
@@ -177,8 +187,7 @@ impl Beside {
 
     /// Of each volume that has no value anywhere on an object's surface, why.
     pub(super) fn without_values(&self, plan: &Plan, object: &InputObject) -> Vec<RunError> {
-        let (surface, local) = (object.surface(), object.local());
-        let place = FieldOfView::new(local.grid(), &local.mask().bounds());
+        let (surface, place) = (object.surface(), object.local().place());
         let error = |volume: &SampledVolume| match place.zip(volume.place()) {
             Some((here, there)) if !here.may_meet(&there) => RunError::apart(here, there),
             _ => RunError::Unfit(

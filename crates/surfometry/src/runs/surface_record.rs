@@ -1,14 +1,12 @@
 //! What is written of a surface besides its files.
 
-use super::{AgainstRecord, InputObject, Record, Row};
+use super::beside::{TOLD_SHARE, flag_beside};
+use super::{AgainstRecord, BesideRole, InputObject, Record, Row};
 use crate::accuracy::{Flag, FlagCode};
 use crate::measurement::Regions;
 use crate::surface::{CurvatureSummary, Distribution, QUANTILES, SampleSummary, Surface, SurfacePart};
 use serde::Serialize;
 use std::collections::BTreeSet;
-
-/// Share of the area without a sample's value from which on a flag tells of it.
-const TOLD_SHARE: f64 = 0.0005;
 
 /// Name and version of the format.
 pub const MAP_SCHEMA: &str = "surfometry.map/1";
@@ -115,7 +113,5 @@ fn sample_flag(sample: &SampleSummary) -> Option<Flag> {
     let constant = sample.is_constant().then(|| {
         "it is the same everywhere on the surface, up to rounding, and has no correlation".to_owned()
     });
-    let told: Vec<String> = outside.into_iter().chain(constant).collect();
-    let message = || format!("sample {}: {}", sample.name, told.join("; "));
-    (!told.is_empty()).then(|| Flag::new(FlagCode::ImageBeside, message()))
+    flag_beside(BesideRole::Sample, &sample.name, outside.into_iter().chain(constant))
 }

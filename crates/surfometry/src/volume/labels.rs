@@ -137,8 +137,8 @@ impl LabelImage {
     }
 }
 
-/// Labels from which on an image may be a grey one, and the share of the boxes around them that labels then have, in shares of
-/// one label of as many, or alone: each grey value lies all over the object.
+/// Labels from which on an image may be a grey one, and the share of the boxes around them that labels then have, times their
+/// number, or as it is where that is more: each grey value lies all over the object.
 const GREY_LABELS: usize = 32;
 const GREY_SHARES: f64 = 2.0;
 const GREY_SHARE: f64 = 0.01;

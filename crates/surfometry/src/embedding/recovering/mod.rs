@@ -37,8 +37,8 @@ const MOST_LISTED: usize = 100_000;
 /// minutes to tell.
 const MOST_WEIGHED: usize = 2 * MOST_LISTED;
 
-/// Most pairs of listed voxels that see each other: eight bytes each, twice while they are listed, and looked at in each of
-/// some hundred sweeps. In a trabecular network of 10^5 voxels there are a fourth of it; in noise of 60³ voxels ten times as many.
+/// Most pairs of listed voxels that see each other: eight bytes each, twice while they are listed, which is half a gigabyte, and
+/// looked at in each of some hundred sweeps. Noise of 60³ voxels took nine.
 const MOST_PAIRS: usize = 1 << 25;
 
 /// The same as [`MOST_LISTED`] where they are listed as needed.
@@ -193,11 +193,9 @@ impl Recovery {
             }
             listed.extend(more);
             listed.sort_by_key(|l| l.number);
-            if !is_affordable(&boundary, &kernel, &listed) {
-                break;
-            }
+            let Some(clusters) = solve(&mut boundary, &kernel, &mut listed) else { break };
+            found.clusters = clusters;
             found.rounds += 1;
-            found.clusters = solve(&mut boundary, &kernel, &mut listed);
         }
         found.finish(&boundary, &listed);
         found
@@ -217,22 +215,23 @@ impl Recovery {
         let is_listed = |number: &u32| listed.binary_search_by_key(number, |l| l.number).is_ok();
         let wrong = boundary.wrong().map(|number| number as u32);
         let refused: Vec<u32> = wrong.filter(|number| !is_listed(number)).collect();
-        let few = listed.len() <= MOST_LISTED && is_affordable(&boundary, &kernel, &listed);
-        if !few || self.is_wider_than(mask) {
+        let is_few = listed.len() <= MOST_LISTED && are_few(&voxel_list(&boundary, &listed), &kernel);
+        if !is_few || self.is_wider_than(mask) {
             listed.clear();
         }
         let mut found = Corrections::of_evidence(&boundary, &evidence, listed.len());
         let mut before = usize::MAX / 10;
         while found.rounds < ROUNDS && !listed.is_empty() {
+            let Some(clusters) = solve(&mut boundary, &kernel, &mut listed) else { break };
+            found.clusters = clusters;
             found.rounds += 1;
-            found.clusters = solve(&mut boundary, &kernel, &mut listed);
             let settled = listed.iter().all(|l| l.lambda >= l.cap || !boundary.is_wrong(l.number as usize));
             let more = self.extend_list(mask, &boundary, &kernel, (&mut listed, &refused), evidence.later);
             // What a price holds down may push others over the line for ever: the last rounds then win
             // little.
             let wrong = boundary.wrong().count();
             let slow = self.price != Price::Strict && 10 * wrong > 9 * before;
-            if (settled && more == 0) || slow || !is_affordable(&boundary, &kernel, &listed) {
+            if (settled && more == 0) || slow {
                 break;
             }
             before = wrong;
@@ -310,9 +309,9 @@ impl Recovery {
     }
 }
 
-/// Whether what hangs together on the list can be held and solved for.
-fn is_affordable(boundary: &Boundary, kernel: &PairKernel, listed: &[Listed]) -> bool {
-    Clusters::pairs(&voxel_list(boundary, listed), kernel) <= MOST_PAIRS
+/// Whether the pairs on a list are so few that they can be held and solved for.
+fn are_few(list: &VoxelList, kernel: &PairKernel) -> bool {
+    Clusters::pairs(list, kernel) <= MOST_PAIRS
 }
 
 fn voxel_list(boundary: &Boundary, listed: &[Listed]) -> VoxelList {
@@ -320,9 +319,13 @@ fn voxel_list(boundary: &Boundary, listed: &[Listed]) -> VoxelList {
     VoxelList::new(boundary.voxels().bounds(), places)
 }
 
-/// Solves on the list and brings the boundary's phi up to date; the number of clusters.
-fn solve(boundary: &mut Boundary, kernel: &PairKernel, listed: &mut [Listed]) -> u64 {
+/// Solves on the list and brings the boundary's phi up to date; the number of clusters, or `None`, and nothing done, where there
+/// are too many pairs.
+fn solve(boundary: &mut Boundary, kernel: &PairKernel, listed: &mut [Listed]) -> Option<u64> {
     let list = voxel_list(boundary, listed);
+    if !are_few(&list, kernel) {
+        return None;
+    }
     let directions: Vec<f64> = listed.iter().map(|l| boundary.direction(l.number as usize)).collect();
     let clusters = Clusters::new(&list, &directions, kernel);
     let given: Vec<f64> = listed
@@ -336,7 +339,7 @@ fn solve(boundary: &mut Boundary, kernel: &PairKernel, listed: &mut [Listed]) ->
         l.lambda = lambda;
     }
     boundary.blur(boundary.amounts(lambdas(listed)));
-    count
+    Some(count)
 }
 
 fn lambdas(listed: &[Listed]) -> impl Iterator<Item = (u32, f64)> {
