@@ -453,7 +453,8 @@ sigma, thickness, level, embedding, derivatives, clip, padding, paper, names, na
     record = json.loads(mapped["record"])
     if not len(mapped["faces"]):
         raise InputError(
-            "nothing is left inside the level set at this sigma and level, so there is no surface; use a smaller sigma"
+            "nothing is left inside the level set at this sigma and level, so there is no surface; use a smaller sigma, "
+            "or a curvature_sigma, which gives thin objects back"
         )
     made = surface_of(mapped, record, "RAS" if isinstance(known, str) else known.frame)
     warn_of({made.measurement.input: list(made.measurement.flags)}, stacklevel=2)

@@ -14,9 +14,9 @@ use surfometry::surface::LocalQuantity;
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Pictures")]
 pub(crate) struct PictureOptions {
-    /// What colours show
-    #[arg(long, default_value = "mean-curvature", value_parser = one_of::<LocalQuantity>())]
-    quantity: LocalQuantity,
+    /// What colours show [default: mean-curvature; with --against distance]
+    #[arg(long, value_parser = one_of::<LocalQuantity>())]
+    quantity: Option<LocalQuantity>,
     /// Magnitude at the ends of the colour scale, in the quantity's unit [default: that of 98 % of the area,
     /// rounded]
     #[arg(long, value_name = "NUMBER", value_parser = positive, allow_hyphen_values = true)]
@@ -51,15 +51,15 @@ pub(crate) struct PictureOptions {
 }
 
 impl PictureOptions {
-    /// How maps are drawn; of voxels those that are the default.
-    pub(crate) fn map_style(&self) -> Result<MapStyle> {
+    /// How maps are drawn, of some quantity where none was chosen; of voxels those that are the default.
+    pub(crate) fn map_style(&self, quantity: LocalQuantity) -> Result<MapStyle> {
         let dpi = f64::from(self.dpi);
         let named = self.view.iter().copied().map(Viewpoint::from);
         let views: Vec<Viewpoint> = named.chain(self.camera.iter().copied()).collect();
         let standard = PictureStyle::default();
         Ok(MapStyle {
             picture: PictureStyle {
-                quantity: self.quantity,
+                quantity: self.quantity.unwrap_or(quantity),
                 limit: self.limit,
                 palette: self.colors,
                 views: if views.is_empty() { standard.views.clone() } else { views },

@@ -304,22 +304,17 @@ fn a_report_lists_what_failed() {
 fn surfaces_are_compared_with_later_ones() {
     let folder = tempfile::tempdir().unwrap();
     let later = "phantom:ball?radius=9.5&shift=0.1,0.4,-0.2&spacing=0.9,0.9,1.1";
-    let args = [
-        "map",
-        BALL,
-        "--against",
-        later,
-        "-o",
-        "a.csv",
-        "-o",
-        "a.json",
-        "--png",
-        "a.png",
-        "--quantity",
-        "distance",
-    ];
+    let args = ["map", BALL, "--against", later, "-o", "a.csv", "-o", "a.json", "-o", "a.svg"];
     let done = run_in(folder.path(), &args);
     assert_eq!(done.status.code(), Some(0), "{}", text(&done.stderr));
+    // What of it is noise stands where it is seen first.
+    let said = text(&done.stderr);
+    assert!(
+        said.contains("mm on the mean") && said.contains("of the area differs by more than two"),
+        "{said}"
+    );
+    let drawn = std::fs::read_to_string(folder.path().join("a.svg")).unwrap();
+    assert!(drawn.contains("Distance to the later surface") && drawn.contains("Two masks of one object"));
     let csv = std::fs::read_to_string(folder.path().join("a.csv")).unwrap();
     let columns: Vec<&str> = csv.lines().next().unwrap().split(',').collect();
     for name in ["distance_mm", "distance_mm_standard_error", "mean_curvature_change_per_mm"] {
@@ -351,8 +346,11 @@ fn surfaces_are_compared_with_later_ones() {
 
     // Without a later scan there is no distance; one that is not there ends the command before anything is written.
     let done = run_in(folder.path(), &["map", BALL, "--quantity", "distance", "--png", "c.png"]);
-    assert_eq!(done.status.code(), Some(1));
-    assert!(text(&done.stderr).contains("compared with a later one"), "{}", text(&done.stderr));
+    assert_eq!(done.status.code(), Some(2));
+    assert!(text(&done.stderr).contains("add --against LATER"), "{}", text(&done.stderr));
+    let done = run_in(folder.path(), &["map", BALL, "--against", later, "-o", "c.nii.gz"]);
+    assert_eq!(done.status.code(), Some(2));
+    assert!(text(&done.stderr).contains("voxel maps have nothing of it"), "{}", text(&done.stderr));
     let before = files_in(folder.path());
     let done = run_in(folder.path(), &["map", BALL, "--against", "none.nrrd", "-o", "d.ply", "-o", "d.json"]);
     assert_eq!(done.status.code(), Some(2));

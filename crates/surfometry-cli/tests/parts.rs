@@ -113,6 +113,14 @@ fn what_cannot_be_is_refused() {
     );
     refused(&["measure", "ball.nii.gz", "--interfaces", "--embedding", "given"], 2, "interfaces");
     refused(&["map", "ball.nii.gz", "-o", "a.ply", "--sample", "k1_per_mm=stress.nii.gz"], 2, "NAME=FILE");
+    for name in ["x_mm", "normal_x", "direction_2_z", "curvature_sigma_mm", "distance_mm_standard_error", ""]
+    {
+        let sample = format!("{name}=stress.nii.gz");
+        refused(&["map", "ball.nii.gz", "-o", "a.ply", "--sample", &sample], 2, "NAME=FILE");
+    }
+    let twice =
+        ["map", "ball.nii.gz", "-o", "a.ply", "--sample", "a=stress.nii.gz", "--sample", "a=stress.nii.gz"];
+    refused(&twice, 2, "give each its own");
     refused(&["map", "ball.nii.gz", "-o", "a.ply", "--sample", "none.nii.gz"], 1, "sample none.nii.gz");
 }
 

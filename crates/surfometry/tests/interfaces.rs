@@ -238,6 +238,45 @@ fn thin_layers_with_open_ends() {
     scores.assert_covered();
 }
 
+/// A core within a shell of four sectors: its mean curvature is 1 / 2R to each, wherever the others bend what is beside them.
+#[test]
+fn a_core_within_sectors() {
+    let (mut scores, mut shares) = (Vec::new(), Vec::new());
+    for (pose, spacing) in poses().iter().zip(SPACINGS) {
+        let h = spacing.iter().copied().fold(0.0, f64::max);
+        for radius in [6.0 * h, 9.0 * h, 12.0 * h] {
+            let (outer, half) = (radius + 8.0 * h, 14.0 * h);
+            let sector = |p: [f64; 3]| match p[0].hypot(p[1]) {
+                r if p[2].abs() > half || r > outer => 0,
+                r if r < radius => 1,
+                _ => 2 + u8::from(p[0] > 0.0) + 2 * u8::from(p[1] > 0.0),
+            };
+            let found = interfaces(&image(1.5 * outer + 3.0 * h, spacing, pose, sector));
+            for interface in found.iter().filter(|i| labels(i)[0] == 1) {
+                let values = [&interface.values, &interface.standard_error];
+                let [Some(mean), Some(error)] = values.map(|v| v.average_mean_curvature_per_mm) else {
+                    continue;
+                };
+                let (mean, error) = (2.0 * radius * mean, 2.0 * radius * error);
+                println!(
+                    "{spacing:?} R {radius:.1}: 2 R H {mean:.3} +- {error:.3}, share {:.2}",
+                    interface.curvature_share
+                );
+                assert!((mean - 1.0).abs() < 0.35, "{mean}");
+                scores.push((mean - 1.0) / error);
+                shares.push(interface.curvature_share);
+            }
+        }
+    }
+    let within = scores.iter().filter(|z| z.abs() <= 2.0).count() as f64 / scores.len() as f64;
+    println!(
+        "{} interfaces, within two errors {within:.3}, rms z {:.2}",
+        scores.len(),
+        common::rms(scores.iter().copied())
+    );
+    assert!(scores.len() >= 20 && within >= 0.95, "{} {within}", scores.len());
+}
+
 /// A cut along the grid lies anywhere within a spacing, which the areas that end there are off by.
 #[test]
 fn halves_cut_along_the_grid() {

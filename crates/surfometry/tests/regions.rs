@@ -140,6 +140,44 @@ fn two_sides_of_a_torus() {
     }
 }
 
+/// The tube of a capsule and its caps, whose total curvatures are 0 and 4 pi: the blur carries some of that over the border,
+/// where K jumps, and the errors say so.
+#[test]
+fn tube_and_caps() {
+    let (mut scores, mut carried) = (Vec::new(), 0.0_f64);
+    for (n, spacing) in SPACINGS.into_iter().enumerate() {
+        let h = spacing.iter().copied().fold(0.0, f64::max);
+        let (radius, length) = (7.5 * h, 22.0 * h);
+        let (object, measured) = object(Capsule { radius, length }, n % 3, spacing, &Measurement::default());
+        let pose = poses()[n % 3];
+        let part = |p: [f64; 3]| 1 + u8::from(pose.to_shape(p)[2].abs() > 0.5 * length);
+        let parts = object.regions(&measured, &regions(24.0 * h, [0.8 * h, 1.1 * h, 0.9 * h], part));
+        assert_adds_up(&parts, &measured);
+        let tube = [2.0 * PI * radius * length, PI * length, 0.0];
+        let caps = [4.0 * PI * radius * radius, 4.0 * PI * radius, 4.0 * PI];
+        for (part, exact) in parts.iter().filter(|part| part.region > 0).zip([tube, caps]) {
+            let found = four(&part.values).into_iter().zip(four(&part.standard_error)).skip(1).zip(exact);
+            for (n, ((value, error), exact)) in found.enumerate() {
+                let (off, error) = (value.unwrap() - exact, error.unwrap());
+                println!(
+                    "{spacing:?} part {} number {n}: {off:+.3} of {exact:.3} z {:+.2}",
+                    part.region,
+                    off / error
+                );
+                scores.push(off / error);
+                if n == 2 {
+                    // Sigma, two spacings, is a fourth of the radius: half a turn or so.
+                    carried = carried.max(off.abs());
+                    assert!(error < 5.0, "{error}");
+                }
+            }
+        }
+    }
+    let within = scores.iter().filter(|z| z.abs() <= 2.0).count() as f64 / scores.len() as f64;
+    println!("{} numbers, within two errors {within:.3}, carried {carried:.2}", scores.len());
+    assert!(within >= 0.95 && carried > 0.5, "{within} {carried}");
+}
+
 /// Of a thin rod in the embedding that gives it back, of the paper's blur and of one that leaves nothing, parts add up too; the
 /// same bits come of one thread.
 #[test]

@@ -129,6 +129,36 @@ fn intervals_hold_for_independent_volumes() {
     }
 }
 
+/// Waves along one direction, whose covariance turns over where that of curvature does not: no interval is one of as many pairs as
+/// there are patches.
+#[test]
+fn intervals_hold_for_plane_waves() {
+    let surface = ellipsoid([1.0; 3]);
+    let vertices = &surface.mesh.vertices;
+    let places = Places::new(vertices, &surface.mesh.vertex_areas()).unwrap();
+    for quantity in [LocalQuantity::MeanCurvature, LocalQuantity::GaussianCurvature] {
+        let curved = surface.values(quantity).unwrap();
+        let (mut held, mut cases, mut most) = (0, 0, 0.0_f64);
+        for n in 0..20 {
+            for m in 0..10 {
+                let (z, turn) = (1.0 - (f64::from(n) + 0.5) / 10.0, 2.4 * f64::from(n + 7 * m));
+                let k = TAU / (7.0 + 3.0 * f64::from(m));
+                let r = k * (1.0 - z * z).sqrt();
+                let wave = |p: &[f64; 3]| {
+                    (r * turn.cos() * p[0] + r * turn.sin() * p[1] + k * z * p[2] + turn).cos()
+                };
+                let found = places.pearson(&curved, &vertices.iter().map(wave).collect::<Vec<_>>()).unwrap();
+                held += u32::from(found.interval[0] <= 0.0 && 0.0 <= found.interval[1]);
+                most = most.max(found.effective_size);
+                cases += 1;
+            }
+        }
+        println!("{quantity:?}: held {held} of {cases}, largest effective size {most:.0}");
+        assert!(most < 600.0, "{most}");
+        assert!(f64::from(held) >= 0.9 * f64::from(cases), "{quantity:?}: {held} of {cases}");
+    }
+}
+
 /// Beyond a volume there is no value; vertices there are left out of statistics and counted.
 #[test]
 fn outside_a_volume() {

@@ -16,6 +16,7 @@ use surfometry::runs::picture_words::color_range;
 use surfometry::runs::{
     Against, Batch, Choices, FileLedger, MapFile, MapStyle, MapTask, Plan, SampleImage, Settings, SharedFiles,
 };
+use surfometry::surface::LocalQuantity;
 
 /// Map curvature on the surface: meshes, voxel maps, pictures, distributions
 ///
@@ -27,7 +28,7 @@ use surfometry::runs::{
 ///
 /// With --against LATER, a later scan that was registered to this one, each vertex has the distance to the surface of the same
 /// label there (positive where that lies outside) and the change of mean curvature, with standard errors: what two masks of one
-/// object would show. `--quantity distance` colours by it, and .json has means, quantiles and what is beyond noise.
+/// object would show. Colours show it, and .json has means, quantiles and what is beyond noise.
 ///
 /// Coordinates are RAS, in mm. Exit status as of `measure`.
 #[derive(Debug, clap::Args)]
@@ -86,6 +87,14 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
     let beside = args.against.iter().chain(&args.regions).map(String::as_str);
     let read = args.options.files_read(&inputs, beside.chain(args.sample.iter().map(SampleImage::file)));
     let [documents, files] = targets(outputs(), &read)?;
+    if args.against.is_some()
+        && documents.is_empty()
+        && files.iter().all(|file| MapFile::of_path(file) == Some(MapFile::Voxels))
+    {
+        bail!(
+            "--against is for surfaces, and voxel maps have nothing of it: add -o FILE.json, a mesh (.vtp, .csv) or a picture (.png)"
+        );
+    }
     let scale = args.curvature.asked().unwrap_or_else(|| args.options.scale_of_map(&style, outputs()));
     // What is mapped is the surface of the one embedding that was chosen.
     let choices =
@@ -107,7 +116,11 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
 }
 
 fn style(args: &Args) -> Result<MapStyle> {
-    let style = args.pictures.map_style()?;
+    let quantity = args.against.as_ref().map_or(LocalQuantity::default(), |_| LocalQuantity::Distance);
+    let style = args.pictures.map_style(quantity)?;
+    if style.picture.quantity.is_change() && args.against.is_none() {
+        bail!("--quantity {} is a change to a later image: add --against LATER", style.picture.quantity);
+    }
     Ok(MapStyle {
         picture: PictureStyle { range: args.range, caption: args.caption.clone(), ..style.picture },
         title: args.title.clone(),

@@ -5,7 +5,7 @@ use crate::console::{Voice, before_the_end, control};
 use crate::cures::cure;
 use crate::inputs::{expand, input_name};
 use crate::options::{CurvatureOptions, MeasureOptions};
-use crate::output::{PageSink, check_output, say, status, with_scales};
+use crate::output::{PageSink, check_output, say, say_written, status, with_scales};
 use anyhow::{Result, bail};
 use std::path::{Path, PathBuf};
 use surfometry::inputs::input_title;
@@ -59,6 +59,9 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
     if !page.finish(outcome.stopped)? {
         say(&format!("{}: not written, for there is nothing to show", args.output.display()));
         return Ok(if outcome.stopped { status(outcome) } else { SOME_FAILED });
+    }
+    if !quiet && args.output != Path::new("-") {
+        say_written(&args.output, outcome);
     }
     Ok(with_scales(status(outcome), &scale_ledger, quiet))
 }

@@ -14,6 +14,7 @@ use surfometry::runs::{
     Batch, ExplainTopology, FileLedger, MapFile, Plan, Settings, SweepChart, SweepTask, SweptParameter,
     SweptSurfaces,
 };
+use surfometry::surface::LocalQuantity;
 
 /// Measure the same objects over a range of sigma, thickness or level
 ///
@@ -74,7 +75,7 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
     let control = control(inputs.len(), Voice { quiet, memory: false });
     let (scale_ledger, settings) = (plan.scale_ledger.clone(), Settings::of(&plan));
     let batch = Batch { inputs: &inputs, open: plan.open.clone(), control: &control, cure };
-    let (count, style) = (args.surface_count as usize, args.pictures.map_style()?);
+    let (count, style) = (args.surface_count as usize, args.pictures.map_style(LocalQuantity::default())?);
     let (measures, log, dpi_scale) = (args.measures.clone(), args.log, style.dpi_scale);
     let chart = args.chart.clone().map(|path| SweepChart { path, measures, log, dpi_scale });
     let surfaces = args.surfaces.clone().map(|path| SweptSurfaces { path, count, style });

@@ -1,11 +1,12 @@
 //! What a map's run gives: documents that grow, names of files, flags.
 
+use super::numbers::significant;
 use super::{flags_text, one_line, say};
 use anyhow::{Result, anyhow};
 use std::io;
 use std::path::PathBuf;
 use surfometry::io::ResultOutput;
-use surfometry::runs::{Failure, JsonSink, Outcome, Record, Settings, Sink, SurfaceRecord};
+use surfometry::runs::{AgainstRecord, Failure, JsonSink, Outcome, Record, Settings, Sink, SurfaceRecord};
 
 /// Writes the results of a map into documents while they come, and keeps the names of all files.
 pub(crate) struct MapSink {
@@ -49,6 +50,9 @@ impl MapSink {
 impl Sink<SurfaceRecord> for MapSink {
     fn row(&mut self, row: SurfaceRecord) -> io::Result<()> {
         self.names.extend_from_slice(&row.files);
+        if let Some(against) = row.against.as_ref().filter(|_| self.records.is_some()) {
+            say(&change_text(&row.record, against));
+        }
         if let Some(records) = &mut self.records {
             records.push(row.record.clone());
         }
@@ -67,4 +71,25 @@ impl Sink<SurfaceRecord> for MapSink {
         }
         self.documents.iter_mut().try_for_each(|(_, sink)| sink.input_ends())
     }
+}
+
+/// How far an object's surface is from the later one, and what of that is noise, in a line.
+fn change_text(record: &Record, against: &AgainstRecord) -> String {
+    let (change, object) = (&against.change.distance_mm, record.label.as_ref());
+    let object = object.map_or_else(String::new, |label| format!(" label {label}"));
+    let noise = match change.noise_rms.zip(change.share_beyond_noise) {
+        Some((noise, share)) => format!(
+            "{} mm would be noise; {:.0} % of the area differs by more than two standard errors, of one object about 5 %",
+            significant(noise, 2),
+            100.0 * share
+        ),
+        None => "how much of that is noise is not known".to_owned(),
+    };
+    format!(
+        "{}{object}: to {} {:+.3} mm on the mean, rms {} mm, of which {noise}",
+        one_line(&record.input),
+        one_line(&against.input),
+        change.mean,
+        significant(change.rms, 2)
+    )
 }

@@ -25,7 +25,7 @@ pub(crate) use numbers::digits;
 pub(crate) use page_sink::PageSink;
 pub(crate) use raised::{flags_text, raised_text};
 pub(crate) use record_tables::{RecordTables, Shown, record_name};
-pub(crate) use results::{say_sigmas, status, with_scales, write_results};
+pub(crate) use results::{say_sigmas, say_written, status, with_scales, write_results};
 pub(crate) use sweep_table::SweepTables;
 pub(crate) use table_sink::{Presenter, TableSink};
 pub(crate) use validation_table::{rivalry_table, validation_table};

@@ -49,11 +49,18 @@ pub(crate) fn write_results<R: Row>(
             Err(error).with_context(|| format!("{name}: cannot be written{kept}"))
         }
         Ok(outcome) => {
-            if let Some(path) = options.path().filter(|_| !quiet && !outcome.stopped) {
-                say(&format!("wrote {}: {}", path.display(), counted(outcome)));
+            if let Some(path) = options.path().filter(|_| !quiet) {
+                say_written(path, outcome);
             }
             Ok(status(outcome))
         }
+    }
+}
+
+/// Tells of a file with all results of a run that was not stopped.
+pub(crate) fn say_written(path: &Path, outcome: Outcome) {
+    if !outcome.stopped {
+        say(&format!("wrote {}: {}", path.display(), counted(outcome)));
     }
 }
 

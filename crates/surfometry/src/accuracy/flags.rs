@@ -124,6 +124,12 @@ pub(crate) fn place_text(position_mm: [f64; 3], finest_mm: f64) -> String {
     format!("({x}, {y}, {z}) mm")
 }
 
+/// A length, mm, with so many decimals, or four significant digits where these would leave fewer.
+pub(crate) fn mm_text(length: f64, decimals: usize) -> String {
+    let significant = (3.0 - libm::floor(libm::log10(length))).clamp(0.0, 15.0) as usize;
+    format!("{length:.*}", if length < 0.1 { significant } else { decimals })
+}
+
 /// Decimals that tell tenths of a voxel apart.
 pub(crate) fn decimals_for(finest_mm: f64) -> usize {
     (1.0 - libm::floor(libm::log10(finest_mm))).clamp(0.0, 9.0) as usize

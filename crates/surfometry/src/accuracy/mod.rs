@@ -23,7 +23,7 @@ mod uncertainty;
 pub use compensation::{CompensationTerms, compensation_terms};
 pub use curvature_scale::{PILOT_SPACINGS, auto_curvature_sigma, balanced_sigma, rms_spacing};
 pub use flags::{Flag, FlagCode};
-pub(crate) use flags::{decimals_for, place_text, thick_slices};
+pub(crate) use flags::{decimals_for, mm_text, place_text, thick_slices};
 pub(crate) use local_errors::scaled_errors;
 pub use local_errors::{CurvatureDifferences, CurvatureErrors, LocalErrorModel};
 pub use position_noise::PositionNoise;

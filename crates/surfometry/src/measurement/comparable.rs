@@ -45,11 +45,14 @@ impl Object {
     }
 
     /// How far its surface is off by where its voxels happen to lie; `None` where no model of that holds: of soft
-    /// segmentations, given fields, distances, and other levels than 0.5.
+    /// segmentations, given fields, distances, other levels than 0.5, and surfaces of which each vertex has a scale of its own. (Of
+    /// those one scale lies where another does but for what each leaves of the shape: of two masks of a rounded box a voxel's
+    /// noise says half of what they differ by.)
     pub fn position_noise(&self) -> Option<PositionNoise> {
         let parameters = &self.setup.parameters;
         let is_mask = matches!(self.content, Content::Mask(_) | Content::Corrected(..));
-        parameters.compensable_sigma().filter(|_| is_mask)?;
+        let has_one_scale = self.setup.measurement.radius_of_scales.is_none();
+        parameters.compensable_sigma().filter(|_| is_mask && has_one_scale)?;
         Some(PositionNoise::new(self.grid(), parameters.sigma_mm?, parameters.embedding.is_corrected()))
     }
 }

@@ -12,7 +12,8 @@ use super::setup::Setup;
 use super::voxels::VoxelCounts;
 use super::warnings::{Evidence, NarrowPlace, raise_flags};
 use crate::accuracy::{
-    CompensationTerms, ErrorModel, Flag, FlagCode, band_variance, compensation_terms, shear_errors, sheared,
+    CompensationTerms, ErrorModel, Flag, FlagCode, band_variance, compensation_terms, mm_text, shear_errors,
+    sheared,
 };
 use crate::integrals::{Integrals, SurfaceIntegrals};
 use crate::surface::SurfaceSummary;
@@ -372,10 +373,10 @@ fn touching(cuts: [[f64; 2]; 3], share: f64, clip: Option<ClipSummary>) -> Flag 
     }
     if let Some(clip) = clip {
         let message = format!(
-            "the object reaches the edge of the image in the slice {}: what lies within {:.4} mm of it is left out, so the numbers are those of an \
+            "the object reaches the edge of the image in the slice {}: what lies within {} mm of it is left out, so the numbers are those of an \
              open surface between sections of {:.1} mm2",
             places.join(", "),
-            clip.rim_mm,
+            mm_text(clip.rim_mm, 4),
             clip.section_area_mm2
         );
         return Flag::new(FlagCode::TouchesBorder, message);

@@ -18,7 +18,7 @@ use std::collections::BTreeMap;
 /// The contact of two labels, of which background, 0, may be one.
 ///
 /// Areas are counted, not blurred (docs/quantities.md): each shared face counts once, so that the interfaces of a label add
-/// up to its area. Curvature is that of the surface on which both labels' blurs are equal, where no third label is near; its
+/// up to its area. Where two surfaces touch at a tangent, all that is closer than a voxel counts as contact. Curvature is that of the surface on which both labels' blurs are equal, where no third label is near; its
 /// normal points from the first label to the second.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Interface {
@@ -31,7 +31,7 @@ pub struct Interface {
     pub values: InterfaceValues,
     /// Their standard errors.
     pub standard_error: InterfaceValues,
-    /// Share of the area over which curvature was measured: none of the rest is more than two sigma from a third label.
+    /// Share of the area over which curvature was measured: where hardly any of a third label is within the blur.
     pub curvature_share: f64,
 }
 
@@ -46,10 +46,13 @@ pub struct InterfaceValues {
     pub average_mean_curvature_per_mm: Option<f64>,
 }
 
-/// Share of third labels, after the blur, up to which a voxel tells the curvature of two.
-const OTHERS: f64 = 0.02;
+/// Shares of third labels, after the blur, up to which a voxel tells the curvature of two: 2.6 sigma from an edge of one, and,
+/// where there is too little of that, 2 sigma. They bend the surface on which the two are equal, the more of them there is.
+const OTHERS: [f64; 2] = [0.004, 0.02];
 /// Band voxels below which there is no curvature to speak of.
 const FEWEST: u64 = 100;
+/// Least share of what the looser limit leaves that the stricter one has to leave.
+const ENOUGH: f64 = 0.2;
 /// Standard errors of the area: a share of it, of directions that count for more than others; of smooth surfaces in units of
 /// the root of the area times the spacing; of rims, which lie anywhere between voxels, in units of the root of their number of cells, and of
 /// that number where a face that ends there lies along the grid: anywhere within a spacing, that is to 1/sqrt(12) of one, where
@@ -105,7 +108,7 @@ impl Measurement {
         }
         let interface = |((pair, contact), &(area, error)): (&([u32; 2], Contact), &(f64, f64))| {
             let [here, there] = pair.map(|number| gridded[number as usize]);
-            let rims = partition.rim_error(contact, here.max(there));
+            let rims = partition.rim_error(contact, here.max(there), area);
             partition.interface(&setup, *pair, contact, (area, libm::hypot(error, rims)))
         };
         Ok(found.par_iter().zip(&areas).map(interface).collect())
@@ -211,10 +214,14 @@ impl<'a> Partition<'a> {
     }
 
     /// Standard error of an area by where it ends; `gridded` is the largest share of what meets there that lies along the grid.
-    fn rim_error(&self, contact: &Contact, gridded: f64) -> f64 {
+    fn rim_error(&self, contact: &Contact, gridded: f64, area: f64) -> f64 {
         let spacing = self.image.grid().spacing();
         let (rim, cell) = (contact.rim as f64, spacing.largest() * spacing.geometric_mean());
-        libm::hypot(OF_RIM * cell * rim.sqrt(), OF_GRIDDED_RIM * gridded * cell * rim)
+        // What is no wider than two voxels or so is rim all over: it may be a line.
+        let line = if area < cell * rim { 0.6 * area } else { 0.0 };
+        [OF_RIM * cell * rim.sqrt(), OF_GRIDDED_RIM * gridded * cell * rim, line]
+            .into_iter()
+            .fold(0.0, libm::hypot)
     }
 
     /// The area that pairs of voxels tell, and its error.
@@ -244,7 +251,7 @@ impl<'a> Partition<'a> {
         (area, errors.into_iter().fold(0.0, libm::hypot))
     }
 
-    /// What the band around the middle of two labels adds up to, away from all others; `None` where there is no blur at level
+    /// What the band around the middle of two labels adds up to, away from all others, by either limit; `None` where there is no blur at level
     /// 0.5.
     fn core(&self, setup: &Setup, [from, to]: [u32; 2], boxes: &[IndexBox]) -> Option<Core> {
         setup.parameters.compensable_sigma()?;
@@ -277,18 +284,29 @@ impl<'a> Partition<'a> {
         let others =
             GaussianEmbedding::of_profile(&others, &setup.parameters.profile()?, least, setup.truncation());
         let half_width = setup.band.delta().half_width();
-        let mut sum = Partial::default();
+        let mut sums = [Partial::default(), Partial::default()];
         for tile in boxes {
             let share = others.evaluate(tile, half_width);
-            let part_of = |index: [i64; 3]| (f64::from(share.get(index)) < OTHERS).then_some(0);
+            let part_of = |index: [i64; 3]| {
+                let share = f64::from(share.get(index));
+                OTHERS.iter().position(|limit| share < *limit).map(|number| number as u32)
+            };
             let parts = with_scheme!(&scheme, s => {
                 let field = s.tile_field(Vec::new(), tile, half_width);
                 Partial::of_tile_by_part(s, &field, tile, &setup.band, &setup.quadrature, &part_of, &mut |_, _| {})
             });
-            sum = parts.values().fold(sum, Partial::merged);
+            for (number, part) in &parts {
+                let sum = &mut sums[*number as usize];
+                *sum = std::mem::take(sum).merged(part);
+            }
         }
-        let integrals = Integrals::of(&sum, setup.grid.spacing());
-        (integrals.band_voxels >= FEWEST && integrals.has_surface()).then_some(Core(integrals))
+        let [strict, between] = sums;
+        let known = |sum: &Partial| {
+            let integrals = Integrals::of(sum, setup.grid.spacing());
+            (integrals.band_voxels >= FEWEST && integrals.has_surface()).then_some(integrals)
+        };
+        let loose = known(&between.merged(&strict))?;
+        Some(Core { loose, strict: known(&strict).filter(|s| s.surface.area > ENOUGH * loose.surface.area) })
     }
 }
 
@@ -307,16 +325,21 @@ fn gridded_share(weights: &PairWeights, contact: &Contact, area: f64) -> f64 {
     ((GRIDDED - faces / area) / (GRIDDED - 1.0)).clamp(0.0, 1.0)
 }
 
-/// The part of an interface that no third label is near.
-struct Core(Integrals);
+/// The part of an interface that no third label is near, by the looser and, where that leaves enough, the stricter limit.
+struct Core {
+    loose: Integrals,
+    strict: Option<Integrals>,
+}
 
 impl Core {
     /// Mean of H, its standard error, and the share of an area that it is of; `None` where nothing is known of errors.
     fn curvature(&self, setup: &Setup, area: f64) -> Option<[f64; 3]> {
-        let Self(integrals) = self;
-        let terms = setup.compensation(Some(*integrals), None)?;
-        let own = terms.added_to(integrals);
-        let average = own.total_mean_curvature / own.area;
+        let average = |integrals: &Integrals| {
+            let own = setup.compensation(Some(*integrals), None)?.added_to(integrals);
+            Some((own.total_mean_curvature / own.area, own))
+        };
+        let integrals = self.strict.as_ref().unwrap_or(&self.loose);
+        let ((average, own), (looser, _)) = (average(integrals)?, average(&self.loose)?);
         let errors = setup.error_model(integrals)?.compensated(integrals);
         let of_core =
             of_average([own.area, own.total_mean_curvature], [errors.area, errors.total_mean_curvature], 0.0);
@@ -325,6 +348,9 @@ impl Core {
         let surface = &integrals.surface;
         let mean = surface.total_mean_curvature / surface.area;
         let spread = (surface.total_squared_mean_curvature / surface.area - mean * mean).max(0.0).sqrt();
-        Some([average, libm::hypot(of_core, (1.0 - share) * spread), share])
+        // What third labels bend: of the stricter limit less than the looser one is off by.
+        let bent = if self.strict.is_some() { (looser - average).abs() } else { spread };
+        let errors = [of_core, (1.0 - share) * spread, bent];
+        Some([average, errors.into_iter().fold(0.0, libm::hypot), share])
     }
 }

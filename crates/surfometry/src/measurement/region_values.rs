@@ -1,6 +1,6 @@
 //! What an object's numbers are, part by part.
 
-use super::regions::PartSums;
+use super::regions::{PartSums, WIDER};
 use super::{DescribedSurface, Measured, Object, SurfaceValues};
 use crate::accuracy::{IntegralErrors, SHARED, of_average};
 use crate::integrals::{Integrals, Partial};
@@ -110,7 +110,7 @@ impl Whole<'_> {
     }
 
     /// Standard errors of a part: of its own integrals by the model, as much longer as the whole's are than the model has them;
-    /// what was shared out; and where the border lies. Null where the whole's are.
+    /// what was shared out; where the border lies; and what of K the blur carried across it. Null where the whole's are.
     fn errors(
         &self,
         part: &Part,
@@ -121,9 +121,11 @@ impl Whole<'_> {
         let of_whole = numbers(&self.measured.standard_error);
         let own = self.modelled(&part.integrals);
         let border = self.border(part);
+        let carried = [0.0, 0.0, 0.0, self.carried(part)];
         let error = |n: usize| {
             let longer = if whole[n] > 0.0 { (of_whole[n]? / whole[n]).max(1.0) } else { 1.0 };
-            of_whole[n].map(|_| libm::hypot(libm::hypot(own[n] * longer, shares[n]), border[n]))
+            let beside = [shares[n], border[n], carried[n]];
+            of_whole[n].map(|_| beside.into_iter().fold(own[n] * longer, libm::hypot))
         };
         let [volume, area, mean, gaussian] = std::array::from_fn(error);
         let average = || {
@@ -134,6 +136,18 @@ impl Whole<'_> {
         };
         let errors = values_of([volume, area, mean, gaussian, None]);
         SurfaceValues { average_mean_curvature_per_mm: average(), ..errors }
+    }
+
+    /// How much of the integral of K the blur carried across the part's border: where K jumps there, as from a capsule's tube to
+    /// its caps, sigma / sqrt(2 pi) of the jump a unit of length. In proportion to sigma, so a wider blur tells it. (Of V and A it
+    /// carries nothing to first order, and of M less than the border's place is worth.)
+    fn carried(&self, part: &Part) -> f64 {
+        let wider = part.sums.at_wider_blur.as_ref();
+        let wider = wider.map(|sums| Integrals::of(sums, self.object.grid().spacing()));
+        wider.filter(Integrals::has_surface).map_or(0.0, |wider| {
+            let here = part.integrals.surface.total_gaussian_curvature;
+            (wider.surface.total_gaussian_curvature - here).abs() / (WIDER - 1.0)
+        })
     }
 
     /// Standard errors of V, A, M and the integral of K by the model; 0 where there is none.

@@ -1,8 +1,9 @@
 //! An object's numbers by the regions of another image.
 
-use super::object::Object;
+use super::object::{Content, Object};
 use super::region_values::{Whole, shared};
 use super::scheme::{Scheme, with_scheme};
+use super::setup::Setup;
 use super::{Measured, SurfaceValues};
 use crate::integrals::Partial;
 use crate::local_geometry::{BandVoxel, Differentiation};
@@ -11,6 +12,7 @@ use crate::volume::{Affine, FieldOfView, Grid, LabelImage, LabelTable, Shared, V
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
+use std::f64::consts::SQRT_2;
 use std::sync::Arc;
 
 /// Regions of space: the labels of an image with a lattice of its own. A point belongs to the region of the nearest voxel;
@@ -88,12 +90,17 @@ impl Regions {
     }
 }
 
+/// Sigma of the wider blur that tells what a blur carries across borders, in sigmas.
+pub(super) const WIDER: f64 = SQRT_2;
+
 /// What is summed over a part.
 #[derive(Debug, Clone, Default)]
 pub(super) struct PartSums {
     pub(super) integrals: Partial,
     pub(super) voxels: u64,
     pub(super) border: Border,
+    /// The same integrals at a wider blur ([`WIDER`]), where there is one.
+    pub(super) at_wider_blur: Option<Partial>,
 }
 
 /// Where a part meets the object's others.
@@ -131,7 +138,11 @@ impl Object {
             let region = regions.at(affine.apply(index.map(|v| v as f64)));
             labels.binary_search(&region).unwrap_or_default() as u32
         };
-        let sums = self.sums_by_region(&number);
+        let mut sums = self.sums_by_region(&number);
+        let mut wider = self.at_wider_blur().map(|object| object.sums_by_region(&number)).unwrap_or_default();
+        for (region, part) in &mut sums {
+            part.at_wider_blur = wider.remove(region).map(|part| part.integrals);
+        }
         let whole = Whole { object: self, measured, region_spacing: regions.grid().spacing() };
         let parts = shared(&whole, &sums.values().collect::<Vec<_>>());
         let faces = self.grid().spacing();
@@ -150,6 +161,18 @@ impl Object {
             }
         };
         sums.iter().zip(parts).map(part).collect()
+    }
+
+    /// The same voxels, corrections and all, at a wider blur; `None` where there is no blur.
+    fn at_wider_blur(&self) -> Option<Self> {
+        let measurement = self.setup.measurement.sigma_mm(WIDER * self.setup.parameters.sigma_mm?);
+        let setup = match &self.content {
+            Content::Mask(_) | Content::Corrected(..) => Setup::of_masks(&measurement, *self.grid()),
+            Content::Probability(image) => Setup::of_probability(&measurement, image),
+            Content::Nothing | Content::Field(_) => return None,
+        };
+        let setup = Setup { control: self.setup.control.clone(), ..setup.ok()? };
+        Some(Self { setup, ..self.clone() })
     }
 
     /// Walks over the tiles in which there may be a band or voxels, each in one order.

@@ -1,7 +1,7 @@
 //! Which warnings follow from the numbers.
 
 use super::EmbeddingKind;
-use crate::accuracy::{Flag, FlagCode, place_text, thick_slices};
+use crate::accuracy::{Flag, FlagCode, mm_text, place_text, thick_slices};
 use crate::integrals::Integrals;
 use crate::surface::SurfaceSummary;
 use crate::volume::Spacing;
@@ -90,7 +90,11 @@ fn grid_flags(e: &Evidence) -> Vec<Flag> {
     if let Some(sigma) = e.sigma.filter(|&s| below(s, largest)) {
         flags.push(Flag::new(
             FlagCode::SigmaBelowSpacing,
-            format!("sigma {sigma:.4} mm is less than the largest spacing {largest:.4} mm: the blur is undersampled along that axis, so area, curvature and chi carry grid noise"),
+            format!(
+                "sigma {} mm is less than the largest spacing {} mm: the blur is undersampled along that axis, so area, curvature and chi carry grid noise",
+                mm_text(sigma, 4),
+                mm_text(largest, 4)
+            ),
         ));
     }
     let sampled = SAMPLED_THICKNESS * largest;
@@ -99,14 +103,14 @@ fn grid_flags(e: &Evidence) -> Vec<Flag> {
         let cure = match e.sigma {
             // A band of 4.5 sigma reaches the flat ends of the blurred edge.
             Some(sigma) if sampled > 4.45 * sigma => {
-                format!("sigma {largest:.3} mm or more, and an automatic thickness")
+                format!("sigma {} mm or more, and an automatic thickness", mm_text(largest, 3))
             }
-            _ => format!("a thickness of {sampled:.4} mm"),
+            _ => format!("a thickness of {} mm", mm_text(sampled, 4)),
         };
         let message = format!(
-            "the band is {:.4} mm thick, less than 2.5 x the largest spacing: the delta is undersampled, area and chi are \
+            "the band is {} mm thick, less than 2.5 x the largest spacing: the delta is undersampled, area and chi are \
              unreliable; use {cure}",
-            e.thickness
+            mm_text(e.thickness, 4)
         );
         flags.push(Flag::new(FlagCode::ThicknessBelowSpacing, message));
     }
@@ -147,18 +151,19 @@ fn band_flags(e: &Evidence) -> Vec<Flag> {
     let mean_thickness = 2.0 * plain.volume.min(e.voxel_volume) / plain.surface.area;
     if e.thickness > mean_thickness {
         let message = format!(
-            "the band is {:.4} mm thick, more than the object's mean thickness 2 V / A = {mean_thickness:.4} mm: volume and \
+            "the band is {} mm thick, more than the object's mean thickness 2 V / A = {} mm: volume and \
              area average over it; use a smaller thickness or a finer image",
-            e.thickness
+            mm_text(e.thickness, 4),
+            mm_text(mean_thickness, 4)
         );
         flags.push(Flag::new(FlagCode::ThicknessAboveObject, message));
     }
     flags.extend(mesh_flag(e, &plain));
     if e.embedding.is_corrected() && e.sigma.is_some_and(|sigma| e.thickness > CORRECTED_THICKNESS * sigma) {
         let message = format!(
-            "the band is {:.4} mm thick, more than 1.6 sigma, where the corrected field is no longer steep: its integrals are biased; use \
+            "the band is {} mm thick, more than 1.6 sigma, where the corrected field is no longer steep: its integrals are biased; use \
              the Gaussian embedding, whose numbers have no such limit, or a larger sigma",
-            e.thickness
+            mm_text(e.thickness, 4)
         );
         flags.push(Flag::new(FlagCode::CorrectedBand, message));
     }
@@ -270,17 +275,19 @@ fn shape_flags(e: &Evidence) -> Vec<Flag> {
     if e.recovering {
         return flags;
     }
-    let (thickness, least) = (2.0 * plain.volume / plain.surface.area, THIN * sigma);
+    let (thickness, thin) = (2.0 * plain.volume / plain.surface.area, THIN * sigma);
     let off = e.compensated_volume.map_or(0.0, |v| v / e.voxel_volume - 1.0);
-    if thickness < least {
+    let least = mm_text(thin, 3);
+    if thickness < thin {
+        let thickness = mm_text(thickness, 3);
         let message = format!(
-            "the mean thickness 2 V / A = {thickness:.3} mm is below 3 sigma = {least:.3} mm: compensation is incomplete and \
+            "the mean thickness 2 V / A = {thickness} mm is below 3 sigma = {least} mm: compensation is incomplete and \
              thin parts may be gone; use a smaller sigma"
         );
         flags.push(Flag::new(FlagCode::ThinForSigma, message));
     } else if off.abs() > VOLUME_TOLERANCE {
         let message = format!(
-            "the original's volume is {:+.1} % off the voxels': parts thinner than about 3 sigma = {least:.3} mm are \
+            "the original's volume is {:+.1} % off the voxels': parts thinner than about 3 sigma = {least} mm are \
              affected; use a smaller sigma",
             100.0 * off
         );
@@ -309,8 +316,8 @@ fn narrow_flags(e: &Evidence, sigma: f64, so_far: &[Flag]) -> Vec<Flag> {
     let [part, gap] = e.narrow.map(|place| place.filter(|place| place.share > NARROW_SHARE));
     let about = |place: NarrowPlace| {
         format!(
-            "less than about 2.4 sigma = {:.3} mm wide ({:.1} % of the band, the narrowest at {})",
-            2.4 * sigma,
+            "less than about 2.4 sigma = {} mm wide ({:.1} % of the band, the narrowest at {})",
+            mm_text(2.4 * sigma, 3),
             100.0 * place.share,
             place_text(place.position_mm, e.spacing.smallest())
         )

@@ -137,10 +137,13 @@ pub fn picture(
 ) -> Result<Figure, PictureError> {
     let made = how_mapped(object);
     match kind {
-        PictureKind::Surface => surface_figure(surface, style, &style.caption_with(&made)),
+        PictureKind::Surface => {
+            let remark = with_noise(surface, style.quantity);
+            surface_figure(surface, style, &style.caption_of(&made, &remark))
+        }
         PictureKind::Slices => slices_figure(object, surface, style),
         PictureKind::Histogram => {
-            let remark = format!("{} {OUTER_BINS}", sign(style.quantity));
+            let remark = format!("{} {OUTER_BINS}", with_noise(surface, style.quantity));
             histogram_figure(surface, style, &style.caption_of(&made, &remark))
         }
         PictureKind::Volume => volume_figure(object, surface, style),
@@ -167,6 +170,21 @@ fn sign(quantity: LocalQuantity) -> &'static str {
         LocalQuantity::MeanCurvatureChange => "Positive where the\u{a0}later surface bends outward more.",
         _ => "One standard error.",
     }
+}
+
+/// The same, and how much of a change is noise.
+fn with_noise(surface: &Surface, quantity: LocalQuantity) -> String {
+    let change = surface.moments_of_change(quantity);
+    let told = change.map(|change| match change.noise_rms.zip(change.share_beyond_noise) {
+        Some((noise, share)) => format!(
+            " Two masks of one object would differ by {}\u{a0}{} (rms); {:.0}\u{a0}% of the area differs by more than two standard errors, of one object about 5\u{a0}%.",
+            significant(noise, 2),
+            quantity.unit(),
+            100.0 * share
+        ),
+        None => " How much of it is noise is not known at this scale.".to_owned(),
+    });
+    sign(quantity).to_owned() + &told.unwrap_or_default()
 }
 
 const OUTER_BINS: &str = "The outer bins hold all that lies beyond.";

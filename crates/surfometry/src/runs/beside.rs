@@ -1,12 +1,11 @@
 //! Images that are read beside the inputs: regions that objects are split by, volumes that are put on their surfaces.
 
 use super::{BesideRole, InputObject, Plan, RunError, WordError};
-use crate::Choice;
 use crate::accuracy::{Flag, FlagCode};
 use crate::inputs::{InputError, OpenOptions, input_title, known_stem, open};
 use crate::io::ReadError;
 use crate::measurement::{Interface, RegionPart, Regions};
-use crate::surface::{LocalQuantity, SampledVolume};
+use crate::surface::{SampledVolume, VertexArray};
 use crate::volume::{FieldOfView, LabelGroup, LabelImage, VolumeError};
 use std::path::Path;
 use std::str::FromStr;
@@ -116,10 +115,10 @@ impl FromStr for SampleImage {
             text.split_once('=').filter(|(name, _)| !name.contains(['/', ':']) && !Path::new(text).exists());
         let (name, file) = named.unwrap_or(("", text));
         let is_plain = |c: char| c.is_ascii_alphanumeric() || c == '_';
+        let is_unnamed = named.is_some_and(|(name, _)| name.is_empty());
         let title = || known_stem(&input_title(file)).replace(|c: char| !is_plain(c), "_");
         let name = if name.is_empty() { title() } else { name.to_owned() };
-        let is_taken = |quantity: &LocalQuantity| name == quantity.name();
-        if file.is_empty() || !name.chars().all(is_plain) || LocalQuantity::ALL.iter().any(is_taken) {
+        if is_unnamed || file.is_empty() || !name.chars().all(is_plain) || VertexArray::is_own_name(&name) {
             return Err(WordError(format!(
                 "`{text}`: write FILE, or NAME=FILE with a name of letters, digits and _ that no other array has"
             )));

@@ -145,7 +145,8 @@ impl Choices {
     }
 
     /// Where a map's curvature is taken, if nothing is said of it. Pictures of the surface alone show the original
-    /// one at its own scale, as do error bars, which no other has; all else is as measured.
+    /// one at its own scale, as do error bars, which no other has, and what changes to a later one at the object's, whose noise is
+    /// known; all else is as measured.
     #[cfg(feature = "pictures")]
     pub fn scale_of_map<'a>(
         &self,
@@ -157,10 +158,12 @@ impl Choices {
         let drawn = |path: &PathBuf| MapFile::of_path(path).is_some_and(MapFile::is_picture);
         let pictures = style.pictures.iter().all(of_surface) && outputs.into_iter().all(drawn);
         let of_blur = quantity == LocalQuantity::Displacement;
-        if quantity.is_standard_error() || (pictures && !of_blur && !self.names_a_field()) {
-            CurvatureScale::Auto
-        } else {
-            CurvatureScale::AsMeasured
+        let is_free = pictures && !of_blur && !self.names_a_field();
+        match (quantity.is_standard_error(), is_free) {
+            (true, _) => CurvatureScale::Auto,
+            (false, true) if quantity.is_change() => CurvatureScale::Object,
+            (false, true) => CurvatureScale::Auto,
+            (false, false) => CurvatureScale::AsMeasured,
         }
     }
 

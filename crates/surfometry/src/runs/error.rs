@@ -21,7 +21,7 @@ pub enum RunError {
     Measure(#[from] MeasureError),
     /// An object without a surface.
     #[error(
-        "nothing is left inside the level set at this sigma and level, so there is no surface; use a smaller sigma"
+        "nothing is left inside the level set at this sigma and level, so there is no surface; use a smaller sigma, or a scale for curvature, which gives thin objects back"
     )]
     NoSurface,
     /// A picture that could not be drawn.

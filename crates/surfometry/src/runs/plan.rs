@@ -5,6 +5,7 @@ use super::{CalledObjects, LabelScales, RegionImage, SampleImage, ScaleLedger};
 use crate::inputs::OpenOptions;
 use crate::measurement::{CurvatureScale, EmbeddingKind, MeasureError, Measured, Measurement};
 use crate::volume::LabelSelection;
+use std::collections::BTreeSet;
 
 /// What is asked of every input of a run.
 ///
@@ -112,6 +113,12 @@ impl Plan {
             self.scales.of(label, self.measurement).check()?;
         }
         let conflict = |text| Err(MeasureError::Conflict(text));
+        let names: BTreeSet<&str> = self.samples.iter().map(SampleImage::name).collect();
+        if names.len() < self.samples.len() {
+            return conflict(
+                "two samples have one name, which their arrays would share: give each its own, as NAME=FILE",
+            );
+        }
         let mapped_apart = self.curvature != CurvatureScale::AsMeasured;
         match self.measurement.embedding {
             EmbeddingKind::Given if mapped_apart => {

@@ -10,6 +10,8 @@ const PATCHES: f64 = 1200.0;
 const BINS: usize = 40;
 /// Effective size below which an interval says nothing.
 const SMALLEST: f64 = 4.0;
+/// Least share of what distances add to the variance of a coefficient that others can leave of it.
+const LEAST_LEFT: f64 = 1.0 / 3.0;
 /// Probability that an interval holds the truth.
 const CONFIDENCE: f64 = 0.95;
 
@@ -144,7 +146,11 @@ impl<'a> Places<'a> {
                 [both, product(0), product(1)].iter().zip(&mut bins[bin]).for_each(|(v, sum)| *sum += v);
             }
         }
-        let variance: f64 = bins.iter().filter(|bin| bin[0] > 0.0).map(|[w, a, b]| a * b / w).sum();
+        let products = || bins.iter().filter(|bin| bin[0] > 0.0).map(|[w, a, b]| a * b / w);
+        // Where one of them repeats itself and the other turns over, distances take off what others add, and all that is left
+        // may be nothing.
+        let least = LEAST_LEFT * products().map(|product| product.max(0.0)).sum::<f64>();
+        let variance = products().sum::<f64>().max(least);
         let most = self.patches.len() as f64;
         if variance > 0.0 { (1.0 + 1.0 / variance).min(most) } else { most }
     }

@@ -18,7 +18,8 @@ const VARIANCES_OVER: f64 = 2.5;
 pub struct VertexChange {
     /// Distance to it, mm: positive where it lies outside, negative inside.
     pub distance: f32,
-    /// Standard error of that, mm, by where the voxels of both masks happen to lie; `None` where no model of it holds.
+    /// Standard error of that, mm, by where the voxels of both masks happen to lie; `None` where no model of it holds
+    /// ([`Object::position_noise`](crate::measurement::Object::position_noise)).
     pub distance_error: Option<f32>,
     /// Change of H, 1/mm.
     pub mean_curvature: f32,
@@ -119,9 +120,8 @@ impl Surface {
         let within = QUANTILES.iter().position(|&share| share == 0.95)?;
         Some(SurfaceChange {
             share_without_distance: self.share_without_distance(),
-            distance_mm: self.moments(LocalQuantity::Distance, |c| c.distance_error)?,
-            mean_curvature_change_per_mm: self
-                .moments(LocalQuantity::MeanCurvatureChange, |c| c.mean_curvature_error)?,
+            distance_mm: self.moments_of_change(LocalQuantity::Distance)?,
+            mean_curvature_change_per_mm: self.moments_of_change(LocalQuantity::MeanCurvatureChange)?,
             hausdorff_95_mm: there.quantiles[within].max(back.quantiles[within]),
             hausdorff_mm: there.maximum.max(back.maximum),
         })
@@ -134,11 +134,13 @@ impl Surface {
         1.0 - known.map(|(_, area)| area).sum::<f64>() / areas.iter().sum::<f64>()
     }
 
-    fn moments(
-        &self,
-        quantity: LocalQuantity,
-        error: fn(&VertexChange) -> Option<f32>,
-    ) -> Option<ChangeMoments> {
+    /// How a quantity of the change is distributed, of a surface that has it at its vertices.
+    pub(crate) fn moments_of_change(&self, quantity: LocalQuantity) -> Option<ChangeMoments> {
+        let error: fn(&VertexChange) -> Option<f32> = match quantity {
+            LocalQuantity::Distance => |change| change.distance_error,
+            LocalQuantity::MeanCurvatureChange => |change| change.mean_curvature_error,
+            _ => return None,
+        };
         let Moments { mean, standard_deviation, quantiles, .. } = self.distribution(quantity)?.by_area;
         let known: Vec<(&VertexGeometry, f64)> = self
             .vertices

@@ -98,7 +98,7 @@ impl LocalQuantity {
     pub(crate) fn condition(self) -> &'static str {
         match self {
             Self::Displacement => "the Gaussian embedding at level 0.5",
-            Self::Distance | Self::MeanCurvatureChange => "a surface that is compared with a later one",
+            _ if self.is_change() => "a surface that is compared with a later one",
             _ if self.is_standard_error() => "embeddings of the original surface (a scale for curvature)",
             _ => "a surface",
         }
@@ -112,6 +112,11 @@ impl LocalQuantity {
     /// Whether it is the error bar of another one.
     pub fn is_standard_error(self) -> bool {
         self.name().ends_with("_standard_error")
+    }
+
+    /// Whether it tells of a later surface.
+    pub fn is_change(self) -> bool {
+        matches!(self, Self::Distance | Self::MeanCurvatureChange)
     }
 
     /// Its value at a vertex; `None` for a displacement or a standard error that is not defined, and without a later surface; not a

@@ -41,6 +41,12 @@ type DirectionArray = (&'static str, fn(&VertexGeometry) -> [f64; 3]);
 const DIRECTION_ARRAYS: [DirectionArray; 3] =
     [("normal", |g| g.normal), ("direction_1", |g| g.direction_1), ("direction_2", |g| g.direction_2)];
 
+const SIGMA_ARRAY: &str = "curvature_sigma_mm";
+
+/// Columns that a table of vertices begins with.
+#[cfg(feature = "io")]
+const PLACE_COLUMNS: [&str; 3] = ["x_mm", "y_mm", "z_mm"];
+
 /// An array of standard errors of changes to a later surface: name and value.
 type ChangeErrorArray = (&'static str, fn(&VertexChange) -> Option<f32>);
 
@@ -48,6 +54,19 @@ const CHANGE_ERROR_ARRAYS: [ChangeErrorArray; 2] = [
     ("distance_mm_standard_error", |c| c.distance_error),
     ("mean_curvature_change_per_mm_standard_error", |c| c.mean_curvature_error),
 ];
+
+#[cfg(feature = "io")]
+impl VertexArray {
+    /// Whether an array that surfaces have, or a column of it in a table, is called so.
+    pub(crate) fn is_own_name(name: &str) -> bool {
+        let column = ["_x", "_y", "_z"].iter().find_map(|end| name.strip_suffix(end)).unwrap_or(name);
+        LocalQuantity::ALL.iter().any(|quantity| name == quantity.name())
+            || DIRECTION_ARRAYS.iter().any(|(array, _)| column == *array)
+            || CHANGE_ERROR_ARRAYS.iter().any(|(array, _)| name == *array)
+            || name == SIGMA_ARRAY
+            || PLACE_COLUMNS.contains(&name)
+    }
+}
 
 impl VertexGeometry {
     /// From the field's derivatives along perpendicular axes (`Grid::axes`), and the curvature that follows from them.
@@ -114,7 +133,7 @@ impl VertexGeometry {
         };
         let errors = CHANGE_ERROR_ARRAYS.into_iter();
         arrays.extend(errors.filter_map(|(name, error)| known(name, &|v| error(v.change.as_ref()?))));
-        arrays.extend(known("curvature_sigma_mm", &|v| v.curvature_sigma));
+        arrays.extend(known(SIGMA_ARRAY, &|v| v.curvature_sigma));
         arrays
     }
 }

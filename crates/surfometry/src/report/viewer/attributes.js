@@ -21,7 +21,9 @@ function attributesOf(scene, quantities) {
       const derive = DERIVED[quantity.name];
       if (derive) add(`${layer.of}:${quantity.name}`, group, { ...quantity, of: layer.of }, () => k1().map((k, i) => derive(k, k2()[i])));
     }
-    for (const [name, packed] of layer.errors) {
+    // Of both principal curvatures it is the same.
+    const errors = layer.errors.flatMap(([name, packed]) => [name, ...(name === "k1_per_mm" ? ["k2_per_mm"] : [])].map(of => [of, packed]));
+    for (const [name, packed] of errors) {
       const of = quantities.find(quantity => quantity.name === name);
       const what = { title: `${of.title}, standard error`, unit: of.unit, signed: false, name: name + "_standard_error", of: layer.of };
       add(`${layer.of}:${what.name}`, `Error bars of the ${layer.of} surface`, what, () => numbers(bytes, packed));

@@ -13,7 +13,7 @@ const COLUMNS = [
 
 // A text as it is searched: nobody knows whether names are joined by lines or spaces.
 function searchable(text) {
-  return text.toLowerCase().replace(/[\s_-]+/g, " ");
+  return text.trim().toLowerCase().replace(/[\s_-]+/g, " ");
 }
 
 class ObjectTable {
