@@ -159,11 +159,10 @@ impl Choices {
         let pictures = style.pictures.iter().all(of_surface) && outputs.into_iter().all(drawn);
         let of_blur = quantity == LocalQuantity::Displacement;
         let is_free = pictures && !of_blur && !self.names_a_field();
-        match (quantity.is_standard_error(), is_free) {
-            (true, _) => CurvatureScale::Auto,
-            (false, true) if quantity.is_change() => CurvatureScale::Object,
-            (false, true) => CurvatureScale::Auto,
-            (false, false) => CurvatureScale::AsMeasured,
+        match quantity {
+            _ if quantity.is_change() && is_free => CurvatureScale::Object,
+            _ if quantity.is_standard_error() || is_free => CurvatureScale::Auto,
+            _ => CurvatureScale::AsMeasured,
         }
     }
 
