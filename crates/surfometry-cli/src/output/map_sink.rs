@@ -1,7 +1,7 @@
 //! What a map's run gives: documents that grow, names of files, flags.
 
 use super::numbers::significant;
-use super::{flags_text, one_line, say};
+use super::{flags_text, one_line, record_name, say};
 use anyhow::{Result, anyhow};
 use std::io;
 use std::path::PathBuf;
@@ -50,10 +50,8 @@ impl MapSink {
 impl Sink<SurfaceRecord> for MapSink {
     fn row(&mut self, row: SurfaceRecord) -> io::Result<()> {
         self.names.extend_from_slice(&row.files);
-        if let Some(against) = row.against.as_ref().filter(|_| self.records.is_some()) {
-            say(&change_text(&row.record, against));
-        }
         if let Some(records) = &mut self.records {
+            row.against.iter().for_each(|against| say(&change_text(&row.record, against)));
             records.push(row.record.clone());
         }
         self.documents.iter_mut().try_for_each(|(_, sink)| sink.row(row.clone()))
@@ -75,8 +73,8 @@ impl Sink<SurfaceRecord> for MapSink {
 
 /// How far an object's surface is from the later one, and what of that is noise, in a line.
 fn change_text(record: &Record, against: &AgainstRecord) -> String {
-    let (change, object) = (&against.change.distance_mm, record.label.as_ref());
-    let object = object.map_or_else(String::new, |label| format!(" label {label}"));
+    let (change, object) = (&against.change.distance_mm, record_name(record));
+    let object = if object.is_empty() { object } else { format!(" label {object}") };
     let noise = match change.noise_rms.zip(change.share_beyond_noise) {
         Some((noise, share)) => format!(
             "{} mm would be noise; {:.0} % of the area differs by more than two standard errors, of one object about 5 %",

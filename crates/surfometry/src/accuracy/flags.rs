@@ -126,8 +126,7 @@ pub(crate) fn place_text(position_mm: [f64; 3], finest_mm: f64) -> String {
 
 /// A length, mm, with so many decimals, or four significant digits where these would leave fewer.
 pub(crate) fn mm_text(length: f64, decimals: usize) -> String {
-    let significant = (3.0 - libm::floor(libm::log10(length))).clamp(0.0, 15.0) as usize;
-    format!("{length:.*}", if length < 0.1 { significant } else { decimals })
+    format!("{length:.*}", if length < 0.1 { decimals_for(length) + 2 } else { decimals })
 }
 
 /// Decimals that tell tenths of a voxel apart.

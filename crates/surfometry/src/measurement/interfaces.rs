@@ -18,8 +18,9 @@ use std::collections::BTreeMap;
 /// The contact of two labels, of which background, 0, may be one.
 ///
 /// Areas are counted, not blurred (docs/quantities.md): each shared face counts once, so that the interfaces of a label add
-/// up to its area. Where two surfaces touch at a tangent, all that is closer than a voxel counts as contact. Curvature is that of the surface on which both labels' blurs are equal, where no third label is near; its
-/// normal points from the first label to the second.
+/// up to its area. Where two surfaces touch at a tangent, all that is closer than a voxel counts as contact. Curvature is that of
+/// the surface on which both labels' blurs are equal, where no third label is near; its normal points from the first label to
+/// the second.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Interface {
     /// The two, the lower label first.
@@ -56,11 +57,13 @@ const ENOUGH: f64 = 0.2;
 /// Standard errors of the area: a share of it, of directions that count for more than others; of smooth surfaces in units of
 /// the root of the area times the spacing; of rims, which lie anywhere between voxels, in units of the root of their number of cells, and of
 /// that number where a face that ends there lies along the grid: anywhere within a spacing, that is to 1/sqrt(12) of one, where
-/// 4/pi cells are a spacing of length; of roughness, in units of what short displacements tell otherwise.
+/// 4/pi cells are a spacing of length; as a share, of what is no wider than two voxels or so, rim all over, which may be a line; of
+/// roughness, in units of what short displacements tell otherwise.
 const OF_DIRECTIONS: f64 = 0.003;
 const OF_SURFACE: f64 = 0.1;
 const OF_RIM: f64 = 0.6;
 const OF_GRIDDED_RIM: f64 = 0.227;
+const OF_LINE: f64 = 0.6;
 const OF_ROUGHNESS: f64 = 1.5;
 /// Area of the voxels' faces, as a multiple of the interface's, up to which that lies along the grid, in part.
 const GRIDDED: f64 = 1.1;
@@ -217,8 +220,7 @@ impl<'a> Partition<'a> {
     fn rim_error(&self, contact: &Contact, gridded: f64, area: f64) -> f64 {
         let spacing = self.image.grid().spacing();
         let (rim, cell) = (contact.rim as f64, spacing.largest() * spacing.geometric_mean());
-        // What is no wider than two voxels or so is rim all over: it may be a line.
-        let line = if area < cell * rim { 0.6 * area } else { 0.0 };
+        let line = if area < cell * rim { OF_LINE * area } else { 0.0 };
         [OF_RIM * cell * rim.sqrt(), OF_GRIDDED_RIM * gridded * cell * rim, line]
             .into_iter()
             .fold(0.0, libm::hypot)
@@ -251,8 +253,8 @@ impl<'a> Partition<'a> {
         (area, errors.into_iter().fold(0.0, libm::hypot))
     }
 
-    /// What the band around the middle of two labels adds up to, away from all others, by either limit; `None` where there is no blur at level
-    /// 0.5.
+    /// What the band around the middle of two labels adds up to, away from all others, by either limit; `None` where
+    /// there is no blur at level 0.5.
     fn core(&self, setup: &Setup, [from, to]: [u32; 2], boxes: &[IndexBox]) -> Option<Core> {
         setup.parameters.compensable_sigma()?;
         let [from, to] = [from, to].map(|number| self.object(number).labels());

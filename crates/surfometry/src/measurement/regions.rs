@@ -129,6 +129,13 @@ impl PartSums {
 /// By number of the region.
 type Sums = BTreeMap<u32, PartSums>;
 
+fn merged(mut all: Sums, some: &Sums) -> Sums {
+    for (region, sums) in some {
+        all.entry(*region).or_default().merge(sums);
+    }
+    all
+}
+
 impl Object {
     /// Its parts, in order of region; what of it lies in none is one, too. `measured` are its numbers.
     pub fn regions(&self, measured: &Measured, regions: &Regions) -> Vec<RegionPart> {
@@ -138,8 +145,9 @@ impl Object {
             let region = regions.at(affine.apply(index.map(|v| v as f64)));
             labels.binary_search(&region).unwrap_or_default() as u32
         };
-        let mut sums = self.sums_by_region(&number);
-        let mut wider = self.at_wider_blur().map(|object| object.sums_by_region(&number)).unwrap_or_default();
+        let mut sums = merged(self.voxels_by_region(&number), &self.integrals_by_region(&number));
+        let mut wider =
+            self.at_wider_blur().map(|object| object.integrals_by_region(&number)).unwrap_or_default();
         for (region, part) in &mut sums {
             part.at_wider_blur = wider.remove(region).map(|part| part.integrals);
         }
@@ -175,44 +183,28 @@ impl Object {
         Some(Self { setup, ..self.clone() })
     }
 
-    /// Walks over the tiles in which there may be a band or voxels, each in one order.
-    fn sums_by_region(&self, number: &(dyn Fn([i64; 3]) -> u32 + Sync)) -> Sums {
-        let measured = self.region().unwrap_or(IndexBox::EVERYTHING);
-        let scheme = self.scheme();
-        let limits =
-            scheme.as_ref().map_or(IndexBox::EMPTY, |scheme| scheme.limits(self.delta().half_width()));
-        let tiles = limits.hull(&self.mask.bounds()).intersection(&measured).tiles(TILE);
-        let of_tile = |tile: &IndexBox| {
-            if self.setup.control.is_stopped() {
-                return Sums::new();
-            }
-            let mut sums = self.counted_by_region(tile, number);
-            if let Some(scheme) = &scheme {
-                with_scheme!(scheme, s => self.add_integrals(s, &tile.intersection(&limits), number, &mut sums));
-            }
-            sums
-        };
-        let merged = |mut all: Sums, some: Sums| {
-            for (region, sums) in &some {
-                all.entry(*region).or_default().merge(sums);
-            }
-            all
-        };
+    /// Sums over the tiles of a box, as far as the object is measured, each in one order.
+    fn summed(&self, limits: &IndexBox, of_tile: &(dyn Fn(&IndexBox) -> Sums + Sync)) -> Sums {
+        let tiles = limits.intersection(&self.region().unwrap_or(IndexBox::EVERYTHING)).tiles(TILE);
+        let unless_stopped =
+            |tile: &IndexBox| if self.setup.control.is_stopped() { Sums::new() } else { of_tile(tile) };
         // In their order: lengths of borders are rounded.
-        let found: Vec<Sums> = tiles.par_iter().map(of_tile).collect();
-        found.into_iter().fold(Sums::new(), merged)
+        let found: Vec<Sums> = tiles.par_iter().map(unless_stopped).collect();
+        found.iter().fold(Sums::new(), merged)
     }
 
-    fn add_integrals<D: Differentiation>(
+    fn integrals_by_region(&self, number: &(dyn Fn([i64; 3]) -> u32 + Sync)) -> Sums {
+        let Some(scheme) = self.scheme() else { return Sums::new() };
+        let limits = scheme.limits(self.delta().half_width());
+        self.summed(&limits, &|tile| with_scheme!(&scheme, s => self.integrals_of_tile(s, tile, number)))
+    }
+
+    fn integrals_of_tile<D: Differentiation>(
         &self,
         scheme: &D,
         tile: &IndexBox,
         number: &dyn Fn([i64; 3]) -> u32,
-        sums: &mut Sums,
-    ) {
-        if tile.is_empty() {
-            return;
-        }
+    ) -> Sums {
         let (band, spacing) = (&self.setup.band, self.grid().spacing());
         let field = scheme.tile_field(Vec::new(), tile, band.delta().half_width());
         let mut lengths: BTreeMap<u32, [[f64; 3]; 3]> = BTreeMap::new();
@@ -237,16 +229,19 @@ impl Object {
             &|index| Some(number(index)),
             &mut look,
         );
-        for (region, integrals) in parts {
-            let part = sums.entry(region).or_default();
-            part.integrals = std::mem::take(&mut part.integrals).merged(&integrals);
-        }
+        let of_part = |(region, integrals)| (region, PartSums { integrals, ..PartSums::default() });
+        let mut sums: Sums = parts.into_iter().map(of_part).collect();
         for (region, lengths) in lengths {
             sums.entry(region).or_default().border.lengths = lengths;
         }
+        sums
     }
 
-    fn counted_by_region(&self, tile: &IndexBox, number: &dyn Fn([i64; 3]) -> u32) -> Sums {
+    fn voxels_by_region(&self, number: &(dyn Fn([i64; 3]) -> u32 + Sync)) -> Sums {
+        self.summed(&self.mask.bounds(), &|tile| self.voxels_of_tile(tile, number))
+    }
+
+    fn voxels_of_tile(&self, tile: &IndexBox, number: &dyn Fn([i64; 3]) -> u32) -> Sums {
         let mut sums = Sums::new();
         for (y, z) in tile.rows() {
             for (start, end) in self.mask.runs_within(y, z, (tile.lower[0], tile.upper[0])) {

@@ -113,12 +113,15 @@ impl FromStr for SampleImage {
     fn from_str(text: &str) -> Result<Self, WordError> {
         let named =
             text.split_once('=').filter(|(name, _)| !name.contains(['/', ':']) && !Path::new(text).exists());
-        let (name, file) = named.unwrap_or(("", text));
+        let file = named.map_or(text, |(_, file)| file);
         let is_plain = |c: char| c.is_ascii_alphanumeric() || c == '_';
-        let is_unnamed = named.is_some_and(|(name, _)| name.is_empty());
         let title = || known_stem(&input_title(file)).replace(|c: char| !is_plain(c), "_");
-        let name = if name.is_empty() { title() } else { name.to_owned() };
-        if is_unnamed || file.is_empty() || !name.chars().all(is_plain) || VertexArray::is_own_name(&name) {
+        let name = named.map_or_else(title, |(name, _)| name.to_owned());
+        if name.is_empty()
+            || file.is_empty()
+            || !name.chars().all(is_plain)
+            || VertexArray::is_own_name(&name)
+        {
             return Err(WordError(format!(
                 "`{text}`: write FILE, or NAME=FILE with a name of letters, digits and _ that no other array has"
             )));
