@@ -19,7 +19,9 @@ from ._errors import (
     UnsupportedTypeError,
 )
 from ._image import Image
-from ._measure import compare, measure, measure_labels, phantom, read, reference, report, surface, sweep, voxel_maps
+from ._maps import report, surface, voxel_maps
+from ._measure import compare, measure, measure_labels, reference, sweep
+from ._reading import phantom, read
 from ._results import Flag, Interface, Measurement, Region, Topology, Values
 from ._surface import Surface
 

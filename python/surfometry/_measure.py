@@ -1,9 +1,8 @@
-"""What the commands do, a function each."""
+"""What the commands do that make numbers, a function each."""
 
 from __future__ import annotations
 
 import json
-import sys
 import tempfile
 from collections.abc import Mapping, Sequence
 from os import PathLike, fspath
@@ -13,54 +12,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from . import _core
-from ._adapters import image_of, readable
-from ._errors import InputError, ParameterError, SurfometryWarning
-from ._image import Image, names_of, spacing_words
-from ._options import Labels, Length, Names, Samples, Threshold, chosen, options_of
+from ._errors import ParameterError, SurfometryWarning
+from ._options import Labels, Length, Names, Threshold, chosen
+from ._reading import only, prepared
 from ._results import Flag, Measurement, flags_of, warn_of
-from ._session import Progress, Request, several_objects, session
-from ._surface import Surface, surface_of
+from ._session import Progress, Request, session
 
 if TYPE_CHECKING:
     import pandas
-
-
-def _prepared(
-    image: object,
-    spacing: float | Sequence[float] | None,
-    options: Mapping[str, object],
-    names: Names | None = None,
-    name: str | None = None,
-) -> tuple[str | Image, dict[str, str]]:
-    """What is measured, and the words of its options."""
-    known = _opened(image, spacing, name)
-    # A file is as `read` gives it, an array (z, y, x).
-    axes = "zyx" if isinstance(known, str) else known.axes
-    return known, options_of(spacing=spacing_words(spacing, axes), names=names or None, **options)
-
-
-def _opened(image: object, spacing: float | Sequence[float] | None, name: str | None = None) -> str | Image:
-    """The name of a file, or an image whose spacing is known."""
-    if isinstance(image, (str, PathLike)):
-        if name is not None:
-            raise ParameterError("a file has a name: leave name= out")
-        return fspath(image)
-    known = readable(image_of(image), name)
-    if known.affine is None and spacing is None:
-        hint = "spacing=, in mm, in the order of the array's axes"
-        raise InputError(
-            f"{known.name}: it holds no voxel spacing: say what it is ({hint}; spacing=1 where a voxel is the unit)",
-            field="spacing",
-            hint=hint,
-        )
-    return known
-
-
-def only(found: list[Any]) -> Any:
-    """What there is of the one object."""
-    if len(found) != 1:
-        raise several_objects(len(found))
-    return found[0]
 
 
 def measure(
@@ -168,7 +127,7 @@ def measure(
     >>> round(r.surface_area / (4 * np.pi * 15**2), 2), r.euler_characteristic
     (1.0, 2.0)
     """
-    known, options = _prepared(image, spacing, chosen(locals()), names, name)
+    known, options = prepared(image, spacing, chosen(locals()), names, name)
     with session(threads, progress, one_object=label is None) as running:
         records = json.loads(_core.measure(Request(known, options, running)))
     measured = Measurement(only(records))
@@ -233,7 +192,7 @@ explain, names, name, threads, progress
     SurfometryWarning
         Each flag once, with the first object that raises it and how many do.
     """
-    known, options = _prepared(image, spacing, chosen(locals()), names, name)
+    known, options = prepared(image, spacing, chosen(locals()), names, name)
     with session(threads, progress) as running:
         table = json.loads(_core.measure_columns(Request(known, options, running)))
     return tabulated(table, as_frame)
@@ -321,7 +280,7 @@ progress
     """
     if locals().get(over) is not None:
         raise ParameterError("the same length is swept and given: leave the option out", field=over)
-    known, options = _prepared(image, spacing, chosen(locals()), names, name)
+    known, options = prepared(image, spacing, chosen(locals()), names, name)
     with session(threads, progress) as running:
         request = Request(known, options, running)
         found = json.loads(_core.sweep(request, over, [float(value) for value in values]))
@@ -373,240 +332,10 @@ def reference(
     -----
     The methods, where they are from, and what they are off by: docs/reference_methods.md.
     """
-    known, options = _prepared(image, spacing, chosen(locals()), names, name)
+    known, options = prepared(image, spacing, chosen(locals()), names, name)
     with session(threads, progress) as running:
         records: list[dict[str, Any]] = json.loads(_core.reference(Request(known, options, running), list(methods)))
     return records
-
-
-def surface(
-    image: object,
-    spacing: float | Sequence[float] | None = None,
-    *,
-    curvature_sigma: float | str | None = "auto",
-    label: Labels | None = None,
-    threshold: Threshold | None = None,
-    fill_cavities: bool = False,
-    largest_component: bool = False,
-    sigma: Length | None = None,
-    thickness: Length | None = None,
-    level: float | None = None,
-    embedding: str | None = None,
-    derivatives: str | None = None,
-    clip: str | None = None,
-    padding: float | str | None = None,
-    paper: bool = False,
-    regions: str | PathLike[str] | None = None,
-    sample: Samples | None = None,
-    names: Names | None = None,
-    name: str | None = None,
-    against: object = None,
-    threads: int | None = None,
-    progress: Progress = None,
-) -> Surface:
-    """The surface of one object, with curvature at its vertices.
-
-    Parameters
-    ----------
-    image, spacing, label, threshold, fill_cavities, largest_component, \
-sigma, thickness, level, embedding, derivatives, clip, padding, paper, names, name, threads, progress
-        As of `measure`.
-    curvature_sigma : float, {"auto", "local", "object"} or None
-        Blur in mm of the corrected embedding in which curvature is that of the object as segmented, or how it is chosen:
-        at each vertex ("auto", "local") or once, which is faster ("object"). None maps the surface as it is measured.
-    against : image, path or None
-        A later image of the same object, in the same world coordinates, on any grid: the surface then has the array
-        ``distance_mm``, the distance to the object of the same label there, positive where that lies outside,
-        ``mean_curvature_change_per_mm``, and their standard errors, which are what two masks of one object would differ by;
-        ``curvature["against"]`` has means, quantiles and what is beyond noise. Choices, ``spacing`` too, are those of both.
-    regions : path, optional
-        A label image in a file, on any lattice, whose labels are regions: distributions by region as well, in
-        ``curvature["region_distributions"]`` of the result.
-    sample : path, sequence of paths or mapping, optional
-        Volumes in files, on any lattice, whose values are put on the vertices, linear between voxels: arrays by the names
-        of the files, or by the mapping's; how they go with curvature is in ``curvature["samples"]`` of the result.
-
-    Returns
-    -------
-    Surface
-        In the frame of the image, mm.
-
-    Raises
-    ------
-    InputError, ParameterError, FileError, UnsupportedTypeError
-        As of `measure`, and where nothing is left inside.
-
-    Warns
-    -----
-    SurfometryWarning
-        Each flag of its measurement, once.
-
-    Notes
-    -----
-    Curvature at vertices, its signs and its standard errors: docs/quantities.md. What they are off by: docs/accuracy.md.
-    """
-    known, options = _prepared(image, spacing, chosen(locals()), names, name)
-    with session(threads, progress, one_object=label is None) as running:
-        later = None if against is None else _opened(against, spacing)
-        found = _core.surface(Request(known, options, running), _scale(curvature_sigma), later)
-    mapped = only(found)
-    record = json.loads(mapped["record"])
-    if not len(mapped["faces"]):
-        raise InputError(
-            "nothing is left inside the level set at this sigma and level, so there is no surface; use a smaller sigma, "
-            "or a curvature_sigma, which gives thin objects back"
-        )
-    made = surface_of(mapped, record, "RAS" if isinstance(known, str) else known.frame)
-    warn_of({made.measurement.input: list(made.measurement.flags)}, stacklevel=2)
-    return made
-
-
-def _scale(curvature_sigma: float | str | None) -> str | None:
-    return options_of(curvature_sigma=curvature_sigma).get("curvature_sigma")
-
-
-def voxel_maps(
-    image: object,
-    spacing: float | Sequence[float] | None = None,
-    *,
-    quantities: str | Sequence[str] = "mean-curvature",
-    outside: float = 0.0,
-    curvature_sigma: float | str | None = None,
-    label: Labels | None = None,
-    threshold: Threshold | None = None,
-    fill_cavities: bool = False,
-    largest_component: bool = False,
-    sigma: Length | None = None,
-    thickness: Length | None = None,
-    level: float | None = None,
-    embedding: str | None = None,
-    derivatives: str | None = None,
-    clip: str | None = None,
-    padding: float | str | None = None,
-    paper: bool = False,
-    names: Names | None = None,
-    name: str | None = None,
-    threads: int | None = None,
-    progress: Progress = None,
-) -> dict[str, Any]:
-    """Maps quantities of one object on the image's own lattice.
-
-    Parameters
-    ----------
-    image, spacing, label, threshold, fill_cavities, largest_component, \
-sigma, thickness, level, embedding, derivatives, clip, padding, paper, names, name, threads, progress
-        As of `measure`.
-    quantities : str or sequence of str
-        Of ``mean-curvature``, ``gaussian-curvature``, ``delta``, ``phi``, ``band``.
-    outside : {0, nan}
-        What maps of curvature have outside the band: 0, which viewers take for nothing, or ``math.nan``, which no mean
-        takes for a value.
-    curvature_sigma : float, {"auto", "local", "object"} or None
-        As of `surface`.
-
-    Returns
-    -------
-    dict
-        Maps by the quantity's name with its unit, such as ``mean_curvature_per_mm``: float32, of the same kind as the
-        image and in the same place. Of a path they are of the kind that `read` gives.
-
-    Raises
-    ------
-    InputError, ParameterError, FileError, UnsupportedTypeError
-        As of `measure`, and for a quantity of no known name.
-    """
-    asked = [quantities] if isinstance(quantities, str) else list(quantities)
-    known, options = _prepared(image, spacing, chosen(locals()), names, name)
-    with session(threads, progress, one_object=label is None) as running:
-        filling = f"{outside:g}"
-        found = _core.voxel_maps(Request(known, options, running), _scale(curvature_sigma), asked, filling)
-    maps = only(found)
-    if isinstance(known, str):
-        # Its place in the world, not its voxels: those are measured already.
-        known = read(known, spacing, threads=threads)
-    return {quantity: known.given_back(array) for quantity, array in maps["arrays"].items()}
-
-
-def read(
-    name: str | PathLike[str], spacing: float | Sequence[float] | None = None, *, threads: int | None = None
-) -> Image:
-    """Reads an image in a file, a closed mesh as voxels, or a built-in shape.
-
-    Parameters
-    ----------
-    name : path or str
-        A file of any format that ``surfometry measure`` takes, or ``phantom:NAME?key=value&...``.
-    spacing : float or sequence of three floats, optional
-        mm, in the order (z, y, x): replaces the file's, or supplies what it lacks; of a mesh that of the voxels.
-    threads : int, optional
-        As of `measure`.
-
-    Returns
-    -------
-    Image
-        With `array` (z, y, x) of the type that the file stores, `spacing` (z, y, x), `affine`, `label_names`; all
-        functions take it.
-
-    Raises
-    ------
-    FileError, InputError
-        Also OSError and ValueError.
-    """
-    with session(threads, None) as running:
-        options = options_of(spacing=spacing_words(spacing, "zyx"))
-        given = _core.read(fspath(name), options, running)
-    truth = json.loads(given["truth"])
-    warn_of({fspath(name): list(flags_of(json.loads(given["flags"])))}, stacklevel=2)
-
-    def like(array: Any) -> Image:
-        return Image(array, "zyx", given["affine"], fspath(name), frame="RAS")
-
-    label_names = names_of(given["label_names"])
-    return Image(given["voxels"], "zyx", given["affine"], fspath(name), label_names, "RAS", truth, like)
-
-
-def phantom(name: str, spacing: float | Sequence[float] | None = None, **keys: float | str | Sequence[float]) -> Image:
-    """A built-in shape with known truth.
-
-    Parameters
-    ----------
-    name : str
-        ``ball``, ``torus``, ``femur`` and others (docs/contract.md), with or without ``phantom:`` and keys behind ``?``.
-    spacing : float or sequence of three floats, optional
-        mm, in the order (z, y, x).
-    **keys
-        ``radius``, ``major``, ``rotate=(a, b, c)`` and others, as of the command line: vectors are x first there.
-
-    Returns
-    -------
-    Image
-        Labels as uint8, and `truth`: the exact integrals by the names of records.
-
-    Raises
-    ------
-    InputError
-        For a name or key that is not known.
-
-    Examples
-    --------
-    >>> import surfometry
-    >>> ball = surfometry.phantom("ball", radius=8, spacing=(2, 1, 1))
-    >>> ball.spacing
-    (2.0, 1.0, 1.0)
-    """
-    joined = "&".join(f"{key}={_key_words(value)}" for key, value in keys.items())
-    spec = name if name.startswith("phantom:") else f"phantom:{name}"
-    if joined:
-        spec += ("&" if "?" in spec else "?") + joined
-    return read(spec, spacing)
-
-
-def _key_words(value: float | str | Sequence[float]) -> str:
-    if isinstance(value, (str, int)):
-        return str(value)
-    if isinstance(value, Sequence):
-        return ",".join(repr(float(part)) for part in value)
-    return repr(float(value))
 
 
 def compare(
@@ -658,64 +387,3 @@ def _table(table: Any, path: Path) -> str:
         return str(fspath(table))
     table.drop(columns="index", errors="ignore").to_csv(path, index=False)
     return str(path)
-
-
-def report(
-    image: object,
-    output: str | PathLike[str],
-    spacing: float | Sequence[float] | None = None,
-    *,
-    title: str | None = None,
-    date: str | None = None,
-    curvature_sigma: float | str | None = None,
-    label: Labels | None = None,
-    threshold: Threshold | None = None,
-    fill_cavities: bool = False,
-    largest_component: bool = False,
-    sigma: Length | None = None,
-    thickness: Length | None = None,
-    level: float | None = None,
-    embedding: str | None = None,
-    derivatives: str | None = None,
-    clip: str | None = None,
-    padding: float | str | None = None,
-    paper: bool = False,
-    names: Names | None = None,
-    name: str | None = None,
-    threads: int | None = None,
-    progress: Progress = None,
-) -> None:
-    """Writes one HTML page: numbers with error bars, the surface to turn, distributions, slices, topology, method.
-
-    Of an image of several objects it has a table to sort, search and filter, all of them in one scene, and a page
-    for each. The same image makes the same page. For display large surfaces have fewer triangles; numbers are
-    those of the whole surface.
-
-    Parameters
-    ----------
-    image, spacing, label, threshold, fill_cavities, largest_component, \
-sigma, thickness, level, embedding, derivatives, clip, padding, paper, names, name, threads, \
-progress
-        As of `measure`; each object gets a section.
-    output : path
-        The page, written whole or not at all.
-    title : str, optional
-        Its heading.
-    date : str, optional
-        When the page was made, as it is to say. Without it a page tells no time, unless the environment has
-        SOURCE_DATE_EPOCH.
-    curvature_sigma : float, {"auto", "local", "object"} or None
-        As of `surface`.
-
-    Raises
-    ------
-    InputError, ParameterError, FileError, UnsupportedTypeError
-        As of `measure`, where the page would replace the image, and where it cannot be written.
-    """
-    known, options = _prepared(image, spacing, chosen(locals()), names, name)
-    if isinstance(known, str) and Path(known).exists() and Path(output).exists() and Path(known).samefile(output):
-        raise ParameterError(f"{output}: the page would replace the input; choose another name", path=fspath(output))
-    command = f"surfometry.report of {known if isinstance(known, str) else known.name} in Python {sys.version.split()[0]}"
-    with session(threads, progress) as running:
-        request = Request(known, options, running)
-        _core.report(request, _scale(curvature_sigma), output, title, date, command)

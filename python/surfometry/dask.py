@@ -23,8 +23,9 @@ from ._cohort import CohortSummary, cohort_of, resumed
 from ._cohort import tabulated as cohort_table
 from ._errors import Error, InputError, ParameterError, UnsupportedTypeError
 from ._image import names_of, native, spacing_words, unmasked
-from ._measure import only, tabulated
+from ._measure import tabulated
 from ._options import Labels, Length, Names, chosen, options_of
+from ._reading import only
 from ._results import Measurement, warn_of
 from ._session import Session, several_objects, threads_of
 

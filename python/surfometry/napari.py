@@ -9,7 +9,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
 from ._adapters import napari_units
-from ._measure import measure_labels, surface
+from ._maps import surface
+from ._measure import measure_labels
 
 if TYPE_CHECKING:
     import napari

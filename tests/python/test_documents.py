@@ -12,7 +12,7 @@ import surfometry
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 PAGES = [ROOT / "README.md", ROOT / "docs" / "python.md"]
-MODULES = [surfometry, importlib.import_module("surfometry.skimage"), importlib.import_module("surfometry._measure")]
+MODULES = [surfometry, importlib.import_module("surfometry.skimage"), importlib.import_module("surfometry._reading")]
 
 
 def test_pages_show_python():
