@@ -35,6 +35,8 @@ impl Desk {
     }
 }
 
+const BALL: &str = "phantom:ball?radius=10&shift=0.3,0.2,0.1";
+
 fn document(output: &Output) -> Value {
     serde_json::from_slice(&output.stdout).unwrap_or_else(|_| panic!("{}", text(&output.stderr)))
 }
@@ -364,4 +366,93 @@ fn tables_of_names_in_latin_1_or_with_two_of_a_label() {
         assert!(refused.status.code() == Some(2), "{table}");
         assert!(text(&refused.stderr).contains(words), "{}", text(&refused.stderr));
     }
+}
+
+#[test]
+fn output_is_written_whole_or_not_at_all() {
+    let desk = Desk::new();
+    let ok = desk.run(&["measure", BALL, "--format", "csv", "-o", "out.csv"]);
+    assert_eq!(ok.status.code(), Some(0));
+    assert!(ok.stdout.is_empty());
+    let before = std::fs::read(desk.path("out.csv")).unwrap();
+    assert!(before.starts_with(b"input,label,name,component,surface,volume_mm3"));
+    let nowhere = desk.run(&["measure", BALL, "-o", "no/such/folder/out.csv"]);
+    assert_eq!(nowhere.status.code(), Some(2));
+    let folder_itself = desk.run(&["measure", BALL, "-o", "."]);
+    assert_eq!(folder_itself.status.code(), Some(2));
+    let stdout = desk.run(&["measure", BALL, "--format", "csv", "-o", "-"]);
+    assert!(stdout.stdout.starts_with(b"input,label"));
+    assert!(text(&nowhere.stderr).contains("no/such/folder/out.csv"));
+    let wrong = desk.run(&["measure", BALL, "--sigma", "0", "-o", "out.csv"]);
+    assert_eq!(wrong.status.code(), Some(2));
+    assert_eq!(std::fs::read(desk.path("out.csv")).unwrap(), before);
+    assert_eq!(std::fs::read_dir(desk.0.path()).unwrap().count(), 1, "no temporary file is left");
+}
+
+/// That a result could not be written is no fault of the command.
+#[cfg(target_os = "linux")]
+#[test]
+fn what_cannot_be_written_at_the_end() {
+    let full = std::fs::OpenOptions::new().write(true).open("/dev/full").unwrap();
+    let output =
+        Command::new(env!("CARGO_BIN_EXE_surfometry")).args(["measure", BALL]).stdout(full).output().unwrap();
+    assert_eq!(output.status.code(), Some(1));
+    assert!(text(&output.stderr).contains("stdout: cannot be written"), "{}", text(&output.stderr));
+}
+
+/// The segmentation is never what gets written over.
+#[test]
+fn an_output_does_not_replace_an_input() {
+    let desk = Desk::new();
+    assert_eq!(desk.run(&["phantom", "ball?radius=4", "-o", "a.nii"]).status.code(), Some(0));
+    let before = std::fs::read(desk.path("a.nii")).unwrap();
+    let refused = desk.run(&["measure", "a.nii", "--sigma", "1", "-o", "./a.nii"]);
+    assert_eq!(refused.status.code(), Some(2));
+    assert!(text(&refused.stderr).contains("would replace the input"), "{}", text(&refused.stderr));
+    assert_eq!(std::fs::read(desk.path("a.nii")).unwrap(), before);
+    // Nor while a run goes on, under the name that its file has until then.
+    std::fs::copy(desk.path("a.nii"), desk.path("b.nii.partial")).unwrap();
+    let refused = desk.run(&["measure", "b.nii.partial", "-o", "b.nii"]);
+    assert_eq!(refused.status.code(), Some(2), "{}", text(&refused.stderr));
+    assert_eq!(std::fs::read(desk.path("b.nii.partial")).unwrap(), before);
+}
+
+/// Either file of a pair stays as it is, whichever was named.
+#[test]
+fn an_output_does_not_replace_a_header() {
+    let desk = Desk::new();
+    assert_eq!(desk.run(&["phantom", "ball?radius=4", "-o", "a.nii"]).status.code(), Some(0));
+    let mut header = std::fs::read(desk.path("a.nii")).unwrap();
+    let voxels = header.split_off(352);
+    // A pair's magic and offset.
+    header[344..348].copy_from_slice(b"ni1\0");
+    header[108..112].copy_from_slice(&0_f32.to_le_bytes());
+    std::fs::write(desk.path("p.hdr"), &header).unwrap();
+    std::fs::write(desk.path("p.img"), voxels).unwrap();
+    assert_eq!(desk.run(&["measure", "p.img"]).status.code(), Some(0));
+    for (input, output) in [("p.img", "p.hdr"), ("p.hdr", "p.img")] {
+        let refused = desk.run(&["measure", input, "-o", output]);
+        assert_eq!(refused.status.code(), Some(2), "{}", text(&refused.stderr));
+    }
+    assert_eq!(std::fs::read(desk.path("p.hdr")).unwrap(), header);
+}
+
+/// A full stderr loses no results.
+#[cfg(target_os = "linux")]
+#[test]
+fn messages_that_cannot_be_said_lose_no_results() {
+    let desk = Desk::new();
+    let full = std::fs::OpenOptions::new().write(true).open("/dev/full").unwrap();
+    let status = Command::new(env!("CARGO_BIN_EXE_surfometry"))
+        .current_dir(desk.0.path())
+        .args(["measure", "missing.nii", BALL, "-o", "out.txt"])
+        .stderr(full)
+        .status()
+        .unwrap();
+    assert_eq!(status.code(), Some(1));
+    let written = std::fs::read_to_string(desk.path("out.txt")).unwrap();
+    assert!(
+        written.contains("volume mm") && written.contains("not measured:\n  missing.nii: No such file"),
+        "{written}"
+    );
 }

@@ -58,52 +58,21 @@ impl Setup {
         let surviving = self.surviving(&totals.sums);
         let open = totals.open.as_ref();
         let terms = self.compensation(surviving, open);
-        let mesh = Some(SurfaceSummary::of_sums(&totals.sums.surface)).filter(|mesh| mesh.triangles > 0);
-        let topology = totals.topology;
-        let voxels = totals.voxels.summary(&self.grid);
-        let compensated_volume = surviving.zip(terms).map(|(plain, terms)| terms.added_to(&plain).volume);
-        let cell_volume = self.grid.spacing().cell_volume();
-        let counted_volume = self.soft.map_or(voxels.volume_mm3, |edges| edges.volume);
-        let clip = open.map(|open| open.part.summary(cell_volume, &open.boundary));
-        let evidence = Evidence {
-            spacing: self.grid.spacing(),
-            embedding: self.parameters.embedding,
-            recovering: totals.recovered.is_some(),
-            sigma: self.parameters.sigma_mm,
-            thickness: self.parameters.thickness_mm,
-            epsilon: self.parameters.epsilon,
-            saturation: self.parameters.saturation(),
-            voxel_volume: clip.map_or(counted_volume, |clip| clip.voxel_volume_mm3),
-            voxel_euler: topology.euler_characteristic_26,
-            narrow: surviving.map(|plain| self.narrow_places(&plain)).unwrap_or_default(),
-            boundary_curvature: open.map(|open| open.boundary.curvature),
-            compensated_volume,
-            plain: surviving,
-            mesh,
-        };
-        let surface = surviving.filter(Integrals::has_surface);
-        let area = surface.map(|integrals| integrals.surface.area);
-        let mut flags = self.parameter_flags(&totals.voxels, clip);
-        flags.extend(raise_flags(&evidence));
-        flags.extend(surface.and_then(|integrals| self.soft?.flag(self.original_area(&integrals))));
-        let detail = &totals.sums.detail;
-        let original = self.described() == DescribedSurface::Original;
-        flags.extend(totals.recovered.and_then(|recovered| recovered.summary.flag()));
-        // What was taken for noise is told of as such.
-        let noisy = totals.recovered.is_some_and(|recovered| recovered.summary.noisy);
-        let taken = area.filter(|_| original && !noisy).and_then(|area| detail.flag(area, &self.grid));
-        flags.extend(taken);
-        let errors = surface.and_then(|integrals| self.error_model(&integrals));
-        if errors.is_none() && surface.is_some() {
+        let clip = open.map(|open| open.part.summary(self.grid.spacing().cell_volume(), &open.boundary));
+        let evidence = self.evidence(totals, terms, clip);
+        let topology = TopologySummary::of(&totals.topology, evidence.mesh.as_ref());
+        let with_surface = surviving.filter(Integrals::has_surface);
+        let errors = with_surface.and_then(|integrals| self.error_model(&integrals));
+        let mut flags = self.flags(totals, &evidence, clip);
+        if errors.is_none() && with_surface.is_some() {
             flags.push(Flag::new(FlagCode::NotComputed, NO_ERRORS));
         }
-        let noise = errors.zip(surface).map(|(model, integrals)| model.grid_noise(&integrals));
+        let noise = errors.zip(with_surface).map(|(model, integrals)| model.grid_noise(&integrals));
         let terms = terms.filter(|_| !evidence.compensation_failed());
         let blurred = BlurredValues {
             values: blurred_values(surviving, open),
             grid_noise: noise.map_or_else(SurfaceValues::default, |e| SurfaceValues::of_noise(&e)),
         };
-        let topology = TopologySummary::of(&topology, mesh.as_ref());
         let surface = self.described();
         let [values, standard_error] = match surface {
             DescribedSurface::Original => {
@@ -112,21 +81,7 @@ impl Setup {
             }
             DescribedSurface::Blurred | DescribedSurface::Given => [blurred.values, SurfaceValues::default()],
         };
-        let strain = self.grid.strain();
-        let blurred_by = self.parameters.shift_sigma().filter(|_| strain > 0.0);
-        let standard_error = match surviving.zip(blurred_by) {
-            Some((integrals, sigma)) => {
-                let [area, mean] = shear_errors(strain, sigma, &integrals.surface);
-                standard_error.with(area, mean, &values)
-            }
-            None => standard_error,
-        };
-        let standard_error = match open.zip(errors) {
-            Some((open, model)) => {
-                standard_error.with(0.0, model.mean_of_open_rims(open.boundary.length), &values)
-            }
-            None => standard_error,
-        };
+        let standard_error = self.of_shear_and_rims(standard_error, &values, surviving, open.zip(errors));
         if surface == DescribedSurface::Original {
             flags.extend(large_error(&values, &standard_error, totals.recovered.is_some()));
         }
@@ -135,8 +90,8 @@ impl Setup {
             values,
             standard_error,
             blurred,
-            mesh: mesh.map_or_else(MeshSummary::default, |mesh| MeshSummary::of(&mesh)),
-            voxels,
+            mesh: evidence.mesh.map_or_else(MeshSummary::default, |mesh| MeshSummary::of(&mesh)),
+            voxels: totals.voxels.summary(&self.grid),
             topology,
             clip,
             parameters: self.parameters,
@@ -146,6 +101,73 @@ impl Setup {
             compensation: terms,
             timings: totals.timings(),
         }
+    }
+
+    /// What the numbers are judged by.
+    fn evidence(
+        &self,
+        totals: &Totals,
+        terms: Option<CompensationTerms>,
+        clip: Option<ClipSummary>,
+    ) -> Evidence {
+        let plain = self.surviving(&totals.sums);
+        let counted = || totals.voxels.summary(&self.grid).volume_mm3;
+        Evidence {
+            spacing: self.grid.spacing(),
+            embedding: self.parameters.embedding,
+            recovering: totals.recovered.is_some(),
+            sigma: self.parameters.sigma_mm,
+            thickness: self.parameters.thickness_mm,
+            epsilon: self.parameters.epsilon,
+            saturation: self.parameters.saturation(),
+            voxel_volume: match clip {
+                Some(clip) => clip.voxel_volume_mm3,
+                None => self.soft.map_or_else(counted, |edges| edges.volume),
+            },
+            voxel_euler: totals.topology.euler_characteristic_26,
+            narrow: plain.map(|plain| self.narrow_places(&plain)).unwrap_or_default(),
+            boundary_curvature: totals.open.as_ref().map(|open| open.boundary.curvature),
+            compensated_volume: plain.zip(terms).map(|(plain, terms)| terms.added_to(&plain).volume),
+            plain,
+            mesh: Some(SurfaceSummary::of_sums(&totals.sums.surface)).filter(|mesh| mesh.triangles > 0),
+        }
+    }
+
+    /// What the numbers cannot say, but for how large their errors are.
+    fn flags(&self, totals: &Totals, evidence: &Evidence, clip: Option<ClipSummary>) -> Vec<Flag> {
+        let with_surface = evidence.plain.filter(Integrals::has_surface);
+        let mut flags = self.parameter_flags(&totals.voxels, clip);
+        flags.extend(raise_flags(evidence));
+        flags.extend(with_surface.and_then(|integrals| self.soft?.flag(self.original_area(&integrals))));
+        flags.extend(totals.recovered.and_then(|recovered| recovered.summary.flag()));
+        // What was taken for noise is told of as such.
+        let noisy = totals.recovered.is_some_and(|recovered| recovered.summary.noisy);
+        let original = self.described() == DescribedSurface::Original && !noisy;
+        flags.extend(
+            with_surface
+                .filter(|_| original)
+                .and_then(|integrals| totals.sums.detail.flag(integrals.surface.area, &self.grid)),
+        );
+        flags
+    }
+
+    /// Errors with those of a sheared grid, where one is blurred, and of open rims.
+    fn of_shear_and_rims(
+        &self,
+        errors: SurfaceValues,
+        values: &SurfaceValues,
+        blurred: Option<Integrals>,
+        open: Option<(&OpenPart, ErrorModel)>,
+    ) -> SurfaceValues {
+        let strain = self.grid.strain();
+        let sheared = blurred.zip(self.parameters.shift_sigma().filter(|_| strain > 0.0));
+        let errors = sheared.map_or(errors, |(integrals, sigma)| {
+            let [area, mean] = shear_errors(strain, sigma, &integrals.surface);
+            errors.with(area, mean, values)
+        });
+        open.map_or(errors, |(open, model)| {
+            errors.with(0.0, model.mean_of_open_rims(open.boundary.length), values)
+        })
     }
 
     /// The surface that the unqualified numbers describe: the original object's wherever it can be had,
