@@ -239,6 +239,11 @@ impl MeasureOptions {
         self.selection.files_read(inputs, more)
     }
 
+    /// Whether labels were chosen.
+    pub(crate) fn chooses_labels(&self) -> bool {
+        !self.selection.label.is_empty()
+    }
+
     /// Where a map's curvature is taken, if nothing is said of it.
     pub(crate) fn scale_of_map<'a>(
         &self,

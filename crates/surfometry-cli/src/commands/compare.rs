@@ -1,7 +1,7 @@
 //! `surfometry compare`.
 
 use super::ALL_DONE;
-use crate::output::{check_output, comparison_text, deliver, json_text, plain, say};
+use crate::output::{check_output, command_line, comparison_text, deliver, json_text, plain, say};
 use crate::values::two_names;
 use anyhow::{Context, Result, anyhow, bail};
 use std::path::{Path, PathBuf};
@@ -134,10 +134,9 @@ fn made(path: &Path, comparison: &Comparison, tables: [&Table; 2]) -> Result<Mad
         }
         Kind::Json => Made::Text(json_text(comparison)?),
         Kind::Page => {
-            let command: Vec<String> = std::env::args().collect();
             let source = |table: &Table| HashedInput::of(&table.path.to_string_lossy(), &table.files);
             let sources = tables.into_iter().map(source).collect::<Result<_, _>>()?;
-            let page = ComparisonPage::new(comparison.clone(), Provenance::new(command.join(" "), sources));
+            let page = ComparisonPage::new(comparison.clone(), Provenance::new(command_line(), sources));
             Made::Text(render_comparison(&page)?)
         }
     })

@@ -4,7 +4,7 @@ use crate::console::{Voice, control};
 use crate::cures::cure;
 use crate::inputs::{expand, input_name};
 use crate::options::{CurvatureOptions, MeasureOptions};
-use crate::output::{MapSink, check_output, deliver, status, with_scales};
+use crate::output::{MapSink, check_output, deliver, one_line, say, status, with_scales};
 use crate::picture_options::{PictureOptions, distinct};
 use crate::values::one_of;
 use anyhow::{Result, anyhow, bail};
@@ -112,7 +112,26 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
         sink.written(&task.finish()?);
     }
     deliver(&sink.finish(outcome)?, None)?;
+    if let Some(later) = task.against.as_ref().filter(|_| !outcome.stopped && !args.options.chooses_labels())
+    {
+        say_not_compared(args.against.as_deref().unwrap_or_default(), &later.not_compared());
+    }
     Ok(with_scales(status(outcome), &scale_ledger, quiet))
+}
+
+/// What only the later image has is on no surface of the first.
+fn say_not_compared(later: &str, labels: &[i64]) {
+    const SHOWN: usize = 10;
+    if !labels.is_empty() {
+        let shown: Vec<String> = labels.iter().take(SHOWN).map(i64::to_string).collect();
+        let more =
+            if labels.len() > SHOWN { format!(" and {} more", labels.len() - SHOWN) } else { String::new() };
+        say(&format!(
+            "{}: label {}{more} of it was compared with nothing: no object of that label was mapped",
+            one_line(later),
+            shown.join(", ")
+        ));
+    }
 }
 
 fn style(args: &Args) -> Result<MapStyle> {

@@ -10,7 +10,7 @@ use anyhow::{Result, bail};
 use std::path::{Path, PathBuf};
 use surfometry::inputs::input_title;
 use surfometry::report::ReportTask;
-use surfometry::runs::Batch;
+use surfometry::runs::{Batch, Outcome};
 
 /// Write one HTML page: of each object its numbers with error bars and flags, the surface to turn, coloured by any of
 /// its quantities, distributions, slices, what changed its topology, method and provenance
@@ -56,12 +56,12 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
     let finished = page.clone();
     before_the_end(move || finished.save());
     let outcome = batch.run(&ReportTask::new(plan).of_inputs(inputs.len()), &mut page)?;
-    if !page.finish(outcome.stopped)? {
+    let Some(objects) = page.finish(outcome.stopped)? else {
         say(&format!("{}: not written, for there is nothing to show", args.output.display()));
         return Ok(if outcome.stopped { status(outcome) } else { SOME_FAILED });
-    }
+    };
     if !quiet && args.output != Path::new("-") {
-        say_written(&args.output, outcome);
+        say_written(&args.output, Outcome { rows: objects, ..outcome });
     }
     Ok(with_scales(status(outcome), &scale_ledger, quiet))
 }

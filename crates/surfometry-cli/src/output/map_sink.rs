@@ -84,10 +84,11 @@ fn change_text(record: &Record, against: &AgainstRecord) -> String {
         None => "how much of that is noise is not known".to_owned(),
     };
     format!(
-        "{}{object}: to {} {:+.3} mm on the mean, rms {} mm, of which {noise}",
+        "{}{object}: to {} {:+.3} mm on the mean, rms {} mm, of which {noise}; 95 % of either surface lies within {} mm of the other",
         one_line(&record.input),
         one_line(&against.input),
         change.mean,
-        significant(change.rms, 2)
+        significant(change.rms, 2),
+        significant(against.change.hausdorff_95_mm, 2)
     )
 }

@@ -39,6 +39,14 @@ use surfometry::inputs::files_of;
 use surfometry::io::{try_writing, write_whole};
 use width::wrapped;
 
+/// The command that was given, as a shell takes it.
+pub(crate) fn command_line() -> String {
+    let words: Vec<String> = std::env::args_os().map(|word| word.to_string_lossy().into_owned()).collect();
+    let quoted = shlex::try_join(words.iter().map(String::as_str));
+    // No argument has the byte 0, which alone cannot be quoted.
+    quoted.unwrap_or_else(|_| words.join(" "))
+}
+
 /// A document as JSON, indented.
 pub(crate) fn json_text(document: &impl Serialize) -> Result<String> {
     Ok(serde_json::to_string_pretty(document)? + "\n")

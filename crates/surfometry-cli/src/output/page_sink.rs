@@ -1,6 +1,6 @@
 //! A page that is written while a run goes on.
 
-use super::say;
+use super::{command_line, say};
 use anyhow::{Context, Result};
 use std::io;
 use std::path::{Path, PathBuf};
@@ -43,22 +43,22 @@ impl PageSink {
         }
     }
 
-    /// Gives the page its name, unless the run was stopped; whether there is one.
-    pub(crate) fn finish(&self, stopped: bool) -> Result<bool> {
+    /// Gives the page its name, unless the run was stopped; how many objects are in it, where there is one.
+    pub(crate) fn finish(&self, stopped: bool) -> Result<Option<usize>> {
         let mut page = self.page();
         let name = format!("{}: cannot be written", page.path.display());
-        page.finish(stopped).with_context(|| name)
+        let objects = page.objects.len();
+        Ok(page.finish(stopped).with_context(|| name)?.then_some(objects))
     }
 }
 
 impl Page {
     fn text(&mut self) -> io::Result<String> {
-        let command: Vec<String> = std::env::args().collect();
         let report = Report {
             title: self.title.clone(),
             objects: std::mem::take(&mut self.objects),
             failures: self.failures.clone(),
-            provenance: Provenance::new(command.join(" "), self.sources.clone()).made_at(self.date.clone()),
+            provenance: Provenance::new(command_line(), self.sources.clone()).made_at(self.date.clone()),
         };
         let text = render(&report).map_err(io::Error::other);
         self.objects = report.objects;

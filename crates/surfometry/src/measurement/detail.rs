@@ -4,6 +4,7 @@
 //! compensation undoes, and rounds the voxels' corners; what lies on the wrong side of phi = 0 further than
 //! both explain is detail that is lost, or a gap that is filled, and no compensation brings it back.
 
+use super::hollow_creases::HollowCreases;
 use crate::accuracy::{Flag, FlagCode, place_text};
 use crate::integrals::Band;
 use crate::local_geometry::{BandVoxels, Curvature, Differentiation, FieldBlock, Jet, TileField};
@@ -16,6 +17,8 @@ use serde::{Deserialize, Serialize};
 pub(super) struct Detail {
     pub(super) lost: WrongVoxels,
     pub(super) filled: WrongVoxels,
+    /// What the blur fills less deeply than a voxel.
+    pub(super) hollow: HollowCreases,
 }
 
 /// Voxels on the wrong side of the surface.
@@ -82,6 +85,7 @@ impl Detail {
     pub(super) fn merged(mut self, other: &Self) -> Self {
         self.lost.merge(&other.lost);
         self.filled.merge(&other.filled);
+        self.hollow.merge(&other.hollow);
         self
     }
 
@@ -231,21 +235,27 @@ impl Watch<'_> {
         let wrong = |(index, value): &([i64; 3], f64)| (*value < 0.0) != self.mask.get(*index);
         let values = voxels.column(0).iter().copied();
         let pairs = voxels.indices().zip(values).enumerate();
-        for (number, (index, value)) in pairs.filter(|(_, pair)| wrong(pair)) {
-            if self.owned.contains(index) && !self.is_explained(&voxels.jet(number)) {
-                self.add(detail, index, value.abs());
+        for (number, (index, _)) in pairs.filter(|(_, pair)| wrong(pair)) {
+            if self.owned.contains(index) {
+                self.judge(detail, index, &voxels.jet(number));
             }
         }
     }
 
-    /// Whether the blur's shift and half a voxel explain how far a voxel lies on the wrong side.
-    fn is_explained(&self, jet: &Jet) -> bool {
+    /// A voxel on the wrong side: half a voxel beyond what the blur's shift explains it is lost or filled, and less deep in a
+    /// crease it tells of that.
+    fn judge(&self, detail: &mut Detail, index: [i64; 3], jet: &Jet) {
+        let Some(curvature) = Curvature::of(jet) else { return self.add(detail, index, jet.value.abs()) };
         let gradient = jet.gradient_magnitude();
-        let Some(curvature) = Curvature::of(jet) else { return false };
-        let shift = SHIFTS * self.shift_sigma.powi(2) * curvature.mean_curvature.abs();
+        let shift = self.shift_sigma.powi(2) * curvature.mean_curvature.abs();
         let sides = jet.gradient.iter().zip(self.spacing.mm());
         let voxel: f64 = sides.map(|(slope, h)| 0.5 * h * (slope / gradient).abs()).sum();
-        jet.value.abs() <= gradient * (shift + voxel)
+        let depth = jet.value.abs();
+        if depth > gradient * (SHIFTS * shift + voxel) {
+            self.add(detail, index, depth);
+        } else if jet.value < 0.0 {
+            detail.hollow.add(depth / gradient - shift, &curvature, self.shift_sigma, self.spacing);
+        }
     }
 
     fn add(&self, detail: &mut Detail, voxel: [i64; 3], depth: f64) {

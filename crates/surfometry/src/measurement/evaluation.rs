@@ -199,9 +199,11 @@ impl Setup {
         let copies = f64::from(totals.voxels.symmetry(self.grid.spacing()));
         let (detail, spacing) = (&totals.sums.detail, self.grid.spacing());
         let lost = [detail.area(spacing), detail.total_mean_curvature(spacing)];
+        let hollow = detail.hollow.errors(self.parameters.shift_sigma().unwrap_or_default(), spacing);
         let compensated_errors = modelled.filter(|_| terms.is_some()).map(|(model, blurred)| {
             let surface = &blurred.surface;
             let errors = model.compensated(&blurred).with(lost[0], lost[1], surface);
+            let errors = errors.with(hollow[0], hollow[1], surface);
             let [area, mean] = off_by_volume(surface, values.volume_mm3.zip(counted));
             model.of_copies(copies, errors, &blurred).with(area, mean, surface)
         });

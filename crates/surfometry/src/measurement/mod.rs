@@ -8,6 +8,7 @@ mod comparable;
 mod detail;
 mod evaluation;
 mod explanation;
+mod hollow_creases;
 mod interfaces;
 mod level_sets;
 mod local_curvature;

@@ -54,7 +54,7 @@ impl VoxelQuantity {
 choices!(VoxelQuantity, "voxel quantity": {
     MeanCurvature = "mean-curvature": "H in the band, 1/mm",
     GaussianCurvature = "gaussian-curvature": "K in the band, 1/mm^2",
-    Delta = "delta": "surface area a volume, 1/mm: its sum times a voxel's volume is the area",
+    Delta = "delta": "surface area a volume, 1/mm: its sum times a voxel's volume is the area, of one object's own map",
     Phi = "phi": "the embedding",
     Band = "band": "1 in the band, 0 outside",
 });

@@ -73,16 +73,31 @@ impl Shape for Shell {
     }
 }
 
-/// Two equal balls that do not touch, on the x axis: chi = 4.
+/// Two equal balls on the x axis: chi = 4 where they are apart, 2 where they overlap, with a crease between them.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TwoBalls {
     /// Radius of each, mm.
     pub radius: f64,
-    /// Distance of the centres, mm; more than two radii.
+    /// Distance of the centres, mm; of two radii they touch, and their surface is none.
     pub length: f64,
 }
 
 impl TwoBalls {
+    /// Of each, what does not lie within the other; their spheres meet on a circle, where normals turn.
+    fn overlapping(&self) -> Truth {
+        let (r, half) = (self.radius, self.length / 2.0);
+        let cap = r - half;
+        let circle = 2.0 * PI * (r * r - half * half).sqrt();
+        let area = 2.0 * (sphere_area(r) - 2.0 * PI * r * cap);
+        let turn = 2.0 * libm::asin(half / r);
+        Truth::new(
+            2.0 * (ball_volume(r) - PI * cap * cap * (3.0 * r - cap) / 3.0),
+            area,
+            area / r - 0.5 * turn * circle,
+            2,
+        )
+    }
+
     fn implicit<T: Smooth>(&self, [x, y, z]: [T; 3]) -> T {
         Ball { radius: self.radius }.implicit([x.abs() + -self.length / 2.0, y, z])
     }
@@ -93,6 +108,9 @@ impl Shape for TwoBalls {
 
     fn truth(&self) -> Option<Truth> {
         let r = self.radius;
+        if self.length < 2.0 * r {
+            return Some(self.overlapping());
+        }
         Some(Truth::new(2.0 * ball_volume(r), 2.0 * sphere_area(r), 8.0 * PI * r, 4))
     }
 

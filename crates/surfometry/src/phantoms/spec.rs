@@ -129,7 +129,10 @@ fn shape(v: &mut Values) -> Result<Box<dyn Shape>, ParsePhantomError> {
         }
         "two-balls" => {
             let balls = TwoBalls { radius: v.length("radius", 15.0)?, length: v.length("length", 45.0)? };
-            v.require(balls.length > 2.0 * balls.radius, "length must exceed two radii")?;
+            v.require(
+                balls.length != 2.0 * balls.radius,
+                "length must not be two radii: balls that touch have no surface",
+            )?;
             Box::new(balls)
         }
         "genus" => Box::new(Genus {

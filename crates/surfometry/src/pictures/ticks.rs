@@ -98,7 +98,8 @@ fn is_multiple(value: f64, step: f64) -> bool {
 }
 
 fn decimals_of(step: f64) -> usize {
-    (0..12).find(|d| is_multiple(step * libm::pow(10.0, f64::from(*d)), 1.0)).unwrap_or(12) as usize
+    let in_units = |decimals: i32| step * libm::pow(10.0, f64::from(decimals));
+    (0..12).find(|&d| in_units(d) > 0.5 && is_multiple(in_units(d), 1.0)).unwrap_or(12) as usize
 }
 
 /// A true minus sign, as wide as a plus.
@@ -169,6 +170,8 @@ mod tests {
     fn numbers_as_printed() {
         assert_eq!(Ticks::new([-1.0, 1.0], 4).label(-0.5), "\u{2212}0.5");
         assert_eq!(Ticks::new([0.0, 2e-5], 4).label(1e-5), "1·10⁻⁵");
+        // A step of less than a millionth is no multiple of 1.
+        assert_eq!(Ticks::new([-1e-9, 1e-9], 4).label(5e-10), "5·10⁻¹⁰");
         assert_eq!(
             [short(0.051_23), short(1234.5), short(-2.0), short(0.0)],
             ["0.0512", "1234", "\u{2212}2", "0"]

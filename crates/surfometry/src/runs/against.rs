@@ -14,7 +14,8 @@ use crate::volume::{
     LabelGroup, LabelImage, LabelSelection, LabelTable, Mask, Segments, Selected, VolumeError,
 };
 use serde::Serialize;
-use std::sync::Arc;
+use std::collections::BTreeSet;
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// What of a later object's own flags bears on distances to its surface.
 const DOUBTS: [FlagCode; 9] = [
@@ -58,6 +59,8 @@ pub struct Against {
     /// Of the image, whatever its objects.
     flags: Vec<Flag>,
     fingerprint: Arc<Fingerprint>,
+    /// Labels that were compared.
+    compared: Mutex<BTreeSet<i64>>,
 }
 
 /// How an object's surface has changed.
@@ -101,7 +104,15 @@ impl Against {
             segments: input.source.segments(),
             table: input.source.label_table(),
             fingerprint: Arc::clone(&input.fingerprint),
+            compared: Mutex::default(),
         })
+    }
+
+    /// Labels that the later image has and no object that was compared with it; none of segments, whose values are no labels.
+    pub fn not_compared(&self) -> Vec<i64> {
+        let (Voxels::Labels(image), None) = (&self.voxels, &self.segments) else { return Vec::new() };
+        let compared = self.compared.lock().unwrap_or_else(PoisonError::into_inner);
+        image.summaries().iter().map(|label| label.label).filter(|label| !compared.contains(label)).collect()
     }
 
     /// Compares the surface of an object with that of the later one of the same label, and keeps what there is at each vertex.
@@ -186,6 +197,7 @@ impl Against {
             VolumeError::NoSuchLabel { missing, present } => RunError::NoLaterLabel { missing, present },
             other => with_name(other, &self.table),
         })?;
+        self.compared.lock().unwrap_or_else(PoisonError::into_inner).extend(label.labels());
         let values = found.into_iter().next().map_or_else(|| label.clone(), |object| object.values);
         Ok(image.group_mask(&values))
     }

@@ -61,6 +61,9 @@ impl RegionImage {
             if image.looks_grey() {
                 return Err(NO_REGIONS);
             }
+            if image.summaries().is_empty() {
+                return Err(RunError::Unfit("it holds no region: all of its voxels are 0"));
+            }
             Ok(Regions::new(image, source.label_table())?)
         };
         self.image.get(read).map_err(|error| beside(BesideRole::Regions, &self.file, error))
