@@ -293,6 +293,12 @@ fn a_report_lists_what_failed() {
     assert!(page.contains("surfometry report") && page.contains("id=\"scene-1\""));
     assert!(page.contains("\"used_mm\":") && page.contains("total mean curvature (mm)"));
     assert!(done.stdout.is_empty());
+    assert!(text(&done.stderr).contains("wrote r.html: 1 result, 1 failure"), "{}", text(&done.stderr));
+    // The command is one that a shell takes.
+    assert!(
+        page.contains("--title &#39;A &amp; B&#39;") || page.contains("--title 'A &amp; B'"),
+        "the command"
+    );
     let nothing = run_in(folder.path(), &["report", "missing.nii", "-o", "empty.html"]);
     assert_eq!(nothing.status.code(), Some(1));
     assert!(text(&nothing.stderr).contains("nothing to show") && !folder.path().join("empty.html").exists());
@@ -343,6 +349,18 @@ fn surfaces_are_compared_with_later_ones() {
         serde_json::from_slice(&std::fs::read(folder.path().join("b.json")).unwrap()).unwrap();
     assert!(document["results"][0]["against"]["distance_mm"]["mean"].is_f64());
     assert!(document["results"][1]["against"].is_null() && !document["results"][1]["files"].is_null());
+
+    // What only the later image has is said; not where labels were chosen.
+    let against = ["map", BALL, "--against", "three.nrrd", "-o", "e.csv"];
+    let done = run_in(folder.path(), &against);
+    assert!(
+        text(&done.stderr).contains("label 4, 7 of it was compared with nothing"),
+        "{}",
+        text(&done.stderr)
+    );
+    assert!(text(&done.stderr).contains("95 % of either surface lies within"), "{}", text(&done.stderr));
+    let done = run_in(folder.path(), &[&against[..], &["--label", "1"]].concat());
+    assert!(!text(&done.stderr).contains("compared with nothing"), "{}", text(&done.stderr));
 
     // Without a later scan there is no distance; one that is not there ends the command before anything is written.
     let done = run_in(folder.path(), &["map", BALL, "--quantity", "distance", "--png", "c.png"]);

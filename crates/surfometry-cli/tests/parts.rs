@@ -106,6 +106,8 @@ fn what_cannot_be_is_refused() {
     };
     refused(&["measure", "ball.nii.gz", "--interfaces", "--format", "csv"], 2, "-o FILE.csv");
     refused(&["measure", "ball.nii.gz", "--regions", "none.nii.gz", "-q"], 1, "regions none.nii.gz");
+    labels(&folder.path().join("empty.nii.gz"), [1.0; 3], 32.0, |_| 0);
+    refused(&["measure", "ball.nii.gz", "--regions", "empty.nii.gz", "-q"], 1, "it holds no region");
     refused(
         &["measure", "ball.nii.gz", "--regions", "atlas.nii.gz", "-o", "atlas.nii.gz"],
         2,

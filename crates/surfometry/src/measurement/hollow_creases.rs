@@ -29,8 +29,8 @@ pub(super) struct HollowCreases {
 
 impl HollowCreases {
     pub(super) fn merge(&mut self, other: &Self) {
-        self.depth += other.depth;
-        self.along += other.along;
+        self.depth = self.depth.saturating_add(other.depth);
+        self.along = self.along.saturating_add(other.along);
     }
 
     /// Adds a voxel that lies so deep inside the surface, mm, beyond what the blur's shift explains.
@@ -39,9 +39,9 @@ impl HollowCreases {
         if least >= 0.0 || sigma <= 0.0 || depth <= NOISE * spacing.largest() {
             return;
         }
-        let along = most.abs().min(least.abs());
-        self.depth += (depth / sigma * PARTS) as u64;
-        self.along += (depth * along * PARTS) as u64;
+        // Where the gradient all but vanishes curvature is anything; a crease does not turn within its own depth.
+        let turned = (depth * most.abs().min(least.abs())).min(1.0);
+        self.merge(&Self { depth: (depth / sigma * PARTS) as u64, along: (turned * PARTS) as u64 });
     }
 
     /// By how much A, mm^2, and M, mm, are off, as a standard error.

@@ -55,6 +55,8 @@ const FEWEST: usize = 4;
 const SAME: f64 = 0.005;
 /// Relative differences that are some, however large error bars are.
 const OTHER: f64 = 0.02;
+/// Half of an interval, as a share of its value, of which one is known too little to be steady.
+const UNKNOWN: f64 = 0.1;
 /// Panels in which a plateau shows: V, A, M.
 const STEADY: usize = 3;
 
@@ -106,6 +108,11 @@ fn is_steady(values: &[Option<f64>], intervals: &[Option<f64>]) -> bool {
     let Some(values) = values.iter().copied().collect::<Option<Vec<f64>>>() else { return false };
     let Some(least) = values.iter().copied().reduce(f64::min) else { return false };
     let most = values.iter().copied().fold(least, f64::max);
+    let is_unknown =
+        |(value, interval): (&f64, &Option<f64>)| interval.unwrap_or_default() > UNKNOWN * value.abs();
+    if values.iter().zip(intervals).any(is_unknown) {
+        return false;
+    }
     // Without a model of its error a value may not differ within others' bars.
     let known = intervals.iter().map(|interval| interval.unwrap_or_default());
     let interval = known.reduce(f64::min).unwrap_or_default();
@@ -127,6 +134,8 @@ mod tests {
         assert!(!is_steady(&some(&[100.0, 103.0]), &some(&[9.0, 9.0])));
         assert!(!is_steady(&some(&[100.0, 102.0]), &[None, Some(3.0)]));
         assert!(!is_steady(&[Some(1.0), None], &[]));
+        // A value of which next to nothing is known agrees with all.
+        assert!(!is_steady(&some(&[100.0, 100.1]), &some(&[1.0, 40.0])));
         assert!(!is_steady(&[], &[]));
     }
 

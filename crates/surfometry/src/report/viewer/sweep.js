@@ -16,14 +16,18 @@ function sweepPart(sweep, sigma) {
   });
   return part("What depends on the blur",
     element("p", { class: plateau ? "plateau" : "" }, said), outside,
-    element("p", { class: "lead" }, "What every blur of the range took away, of which the flags tell, is missing all along a level line. ", ...legend, " bars: 95 %."),
+    element("p", { class: "lead" }, "Detail that all of these blurs take away is in none of these numbers, however level a line is: the flags tell of it. ", ...legend, " bars: 95 %, cut off where they are much longer than what the values differ by."),
     element("div", { class: "sweep" }, ...sweep.panels.map(panel => sweepPanel(sweep, panel))));
 }
 
 function sweepPanel(sweep, panel) {
   const [width, height] = [380, 210], left = 66, right = 12, top = 24, floor = height - 36;
-  const known = panel.lines.flatMap(line => line.values.flatMap((value, i) => value === null ? [] : [value - (line.intervals[i] ?? 0), value + (line.intervals[i] ?? 0)]));
-  if (!known.length) return null;
+  const values = panel.lines.flatMap(line => line.values).filter(value => value !== null);
+  if (!values.length) return null;
+  // One long bar does not flatten all lines.
+  const [lowest, highest] = [Math.min(...values), Math.max(...values)], longest = Math.max(highest - lowest, 0.02 * Math.abs(highest));
+  const bar = (line, i) => Math.min(line.intervals[i] ?? 0, longest);
+  const known = panel.lines.flatMap(line => line.values.flatMap((value, i) => value === null ? [] : [value - bar(line, i), value + bar(line, i)]));
   const least = Math.min(...known), most = Math.max(...known), room = Math.max((most - least) * 0.08, Math.abs(most) * 1e-4, 1e-9);
   const logs = sweep.sigma_mm.map(Math.log), span = logs.at(-1) - logs[0] || 1;
   const x = sigma => left + 10 + (Math.log(sigma) - logs[0]) / span * (width - left - right - 20);
@@ -31,7 +35,7 @@ function sweepPanel(sweep, panel) {
   const shade = sweep.plateau && drawn("rect", { class: "plateau", x: x(sweep.plateau.from_mm) - 4, y: top, width: x(sweep.plateau.to_mm) - x(sweep.plateau.from_mm) + 8, height: floor - top });
   const lines = panel.lines.flatMap(line => {
     const color = LINE_COLORS[line.name] ?? "#000";
-    const points = line.values.flatMap((value, i) => value === null ? [] : [[x(sweep.sigma_mm[i]), y(value), y(value - (line.intervals[i] ?? 0)), y(value + (line.intervals[i] ?? 0))]]);
+    const points = line.values.flatMap((value, i) => value === null ? [] : [[x(sweep.sigma_mm[i]), y(value), y(value - bar(line, i)), y(value + bar(line, i))]]);
     return [
       drawn("polyline", { points: points.map(([a, b]) => `${a},${b}`).join(" "), fill: "none", stroke: color, "stroke-width": 1.6 }),
       ...points.flatMap(([a, b, low, high]) => [

@@ -42,7 +42,7 @@ class ObjectTable {
     }, text);
     const none = this.rows.filter(row => !row.flags.length).length;
     return element("div", { class: "controls filters" },
-      element("label", {}, "Search ", element("input", { type: "search", title: "In names, inputs and flags; a space stands for _ and - as well", oninput: event => { this.search = searchable(event.target.value); this.draw(); } })),
+      element("label", {}, "Search ", element("input", { type: "search", title: "Words, each of which is in a name, an input or a flag; a space stands for _ and - as well", oninput: event => { this.search = searchable(event.target.value); this.draw(); } })),
       this.count,
       this.chips = element("span", { class: "chips" }, ...codes.map(code => chip(code, `${code} ${counts[code]}`)), none > 0 && codes.length > 0 && chip("", `no flags ${none}`)));
   }
@@ -81,7 +81,7 @@ class ObjectTable {
   // The rows that are shown, in their order; what has no value is last.
   shown() {
     const hasAll = flags => [...this.chosen].every(code => code ? flags.includes(code) : !flags.length);
-    const fits = row => row.words.includes(this.search) && hasAll(row.flags);
+    const fits = row => this.search.split(" ").every(word => row.words.includes(word)) && hasAll(row.flags);
     const rows = this.rows.filter(fits);
     if (!this.sorted) return rows;
     const { column, descending } = this.sorted, value = column.sort ?? (row => row.result[column.key]);
