@@ -343,6 +343,17 @@ def test_files_that_are_damaged(tmp_path):
         assert "panicked" not in done.stderr
 
 
+def test_a_representation_that_there_is_not(tmp_path):
+    """Readers take it for UN, whose length has four bytes: 2 GB were made room for in a file of 4 kB (found by fuzz/)."""
+    path = tmp_path / "a.dcm"
+    slice_of(body(), 3).save_as(path, enforce_file_format=True)
+    data = bytearray(path.read_bytes())
+    at = data.index(b"\x20\x00\x13\x00IS") + 4
+    data[at : at + 8] = b"\x91T\0\0" + (2433941536).to_bytes(4, "little")
+    path.write_bytes(data)
+    assert "claims 2433941536 bytes" in surfometry_error("info", path)
+
+
 @pytest.mark.parametrize("damage", [b"", b"\0" * 200, b"<html>", b"version https://git-lfs.github.com/spec/v1\n", None])
 def test_a_damaged_slice_at_an_end_is_no_slice_less(tmp_path, damage):
     voxels = body()

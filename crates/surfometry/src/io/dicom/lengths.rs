@@ -19,9 +19,6 @@ const SEQUENCE_END: Tag = Tag(0xFFFE, 0xE0DD);
 const DEEPEST: usize = 64;
 /// The length of what goes on until it says that it ends.
 const UNDEFINED: u32 = u32::MAX;
-/// Representations whose length takes four bytes, behind two that are reserved.
-const LONG: [&[u8; 2]; 13] =
-    [b"OB", b"OD", b"OF", b"OL", b"OV", b"OW", b"SQ", b"SV", b"UC", b"UN", b"UR", b"UT", b"UV"];
 /// Explicit and implicit little-endian; others are explicit, and big-endian ones are out of use.
 const IMPLICIT: &str = "1.2.840.10008.1.2";
 const BIG_ENDIAN: &str = "1.2.840.10008.1.2.2";
@@ -110,10 +107,11 @@ impl Walk {
             let representation = StandardDataDictionary.by_tag(tag).map(|entry| entry.vr().relaxed());
             return Ok((u32::from_le_bytes(self.take()?), representation == Some(VR::SQ)));
         }
-        let representation: [u8; 2] = self.take()?;
-        if LONG.contains(&&representation) {
+        // As the reader of elements takes one that there is not.
+        let representation = VR::from_binary(self.take()?).unwrap_or(VR::UN);
+        if is_long(representation) {
             let _: [u8; 2] = self.take()?;
-            return Ok((u32::from_le_bytes(self.take()?), representation == *b"SQ"));
+            return Ok((u32::from_le_bytes(self.take()?), representation == VR::SQ));
         }
         Ok((u16::from_le_bytes(self.take()?).into(), false))
     }
@@ -129,4 +127,10 @@ impl Walk {
         self.at += bytes;
         self.file.seek_relative(bytes as i64)
     }
+}
+
+/// Whether the length takes four bytes, behind two that are reserved.
+fn is_long(representation: VR) -> bool {
+    use VR::{OB, OD, OF, OL, OV, OW, SQ, SV, UC, UN, UR, UT, UV};
+    matches!(representation, OB | OD | OF | OL | OV | OW | SQ | SV | UC | UN | UR | UT | UV)
 }
