@@ -3,18 +3,13 @@
 
 mod common;
 
-use common::{codes, rms};
+use common::{codes, held_out_pose, rms};
 use surfometry::Measurement;
-use surfometry::phantoms::{Phantom, Pose, TwoBalls};
+use surfometry::phantoms::{Phantom, TwoBalls};
 
 /// What A and M are off, in shares of the truth and in standard errors.
 fn off(radius: f64, length: f64, spacing: [f64; 3], number: usize) -> [[f64; 2]; 2] {
-    let part = |n: usize, step: f64| (0.37 + step * (3 * number + n) as f64).fract();
-    let pose = Pose::new(
-        std::array::from_fn(|a| 180.0 * part(a, 0.618_034)),
-        std::array::from_fn(|a| part(a, 0.754_878) - 0.5),
-    );
-    let phantom = Phantom::new(TwoBalls { radius, length }, pose, spacing).unwrap();
+    let phantom = Phantom::new(TwoBalls { radius, length }, held_out_pose(number), spacing).unwrap();
     let truth = phantom.truth().unwrap();
     let measured = Measurement::default().run_settled(phantom.labels().unwrap().mask(1)).unwrap();
     let errors = &measured.standard_error;

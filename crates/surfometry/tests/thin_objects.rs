@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::codes;
+use common::{codes, held_out_pose};
 use std::f64::consts::PI;
 use surfometry::Measurement;
 use surfometry::measurement::{EmbeddingKind, Measured};
@@ -12,15 +12,6 @@ use surfometry::volume::{Grid, LabelImage, Mask};
 
 /// Makes a shape, anew for each pose.
 type Maker<'a> = &'a dyn Fn() -> Box<dyn Shape>;
-
-/// Poses that nothing was tuned on.
-fn pose(number: usize) -> Pose {
-    let part = |n: usize, step: f64| (0.37 + step * (3 * number + n) as f64).fract();
-    Pose::new(
-        std::array::from_fn(|a| 180.0 * part(a, 0.618_034)),
-        std::array::from_fn(|a| part(a, 0.754_878) - 0.5),
-    )
-}
 
 /// As a file at defaults.
 fn at_defaults(mask: &Mask) -> Measured {
@@ -52,7 +43,7 @@ fn of_poses(name: &str, shape: Maker) -> [[f64; 2]; 3] {
     const POSES: usize = 6;
     let mut sums = [[0.0; 2]; 3];
     for number in 0..POSES {
-        let phantom = Phantom::new(shape(), pose(number), [1.0; 3]).unwrap();
+        let phantom = Phantom::new(shape(), held_out_pose(number), [1.0; 3]).unwrap();
         let truth = phantom.truth().unwrap();
         let truths = [truth.volume, truth.surface_area, truth.total_mean_curvature];
         let measured = at_defaults(&phantom.labels().unwrap().mask(1));
@@ -170,7 +161,7 @@ fn large_networks_are_recovered() {
     const CELLS: usize = 6;
     const CELL: usize = 34;
     let rod = Capsule { radius: 2.0, length: 24.0 };
-    let poses: Vec<Pose> = (0..CELLS.pow(3)).map(pose).collect();
+    let poses: Vec<Pose> = (0..CELLS.pow(3)).map(held_out_pose).collect();
     let grid = Grid::axis_aligned([CELL * CELLS; 3], [1.0; 3]).unwrap();
     let mask = Mask::from_predicate(grid, |[x, y, z]| {
         let pose = &poses[(z / CELL * CELLS + y / CELL) * CELLS + x / CELL];
@@ -201,7 +192,7 @@ fn edges_are_in_the_errors() {
     let of_cylinder = [2000.0 * PI, 600.0 * PI, 20.0 * PI + 10.0 * PI * PI];
     let bodies: [Body<'_>; 2] = [(&cube, of_cube), (&cylinder, of_cylinder)];
     for (number, (is_inside, truth)) in (0..3).flat_map(|n| bodies.map(|body| (n, body))) {
-        let mask = posed(&pose(number), is_inside);
+        let mask = posed(&held_out_pose(number), is_inside);
         let (blurred, _) = errors(&Measurement::default().run(&mask).unwrap(), truth);
         let (off, shares) = errors(&at_defaults(&mask), truth);
         println!("edges: blur {blurred:+.2?} %, at defaults {off:+.2?} %, {shares:+.2?} s.e.");
@@ -255,8 +246,9 @@ fn edges_of_small_bodies_are_in_the_errors() {
     for Sharp { name, is_inside, integrals, sizes } in SMALL {
         for size in sizes {
             let of_pose = |number: usize| {
-                let along = Pose::new([0.0; 3], pose(number).shift());
-                let mask = posed(&if number < 4 { pose(number) } else { along }, &|p| is_inside(size, p));
+                let along = Pose::new([0.0; 3], held_out_pose(number).shift());
+                let mask =
+                    posed(&if number < 4 { held_out_pose(number) } else { along }, &|p| is_inside(size, p));
                 errors(&at_defaults(&mask), integrals(size))
             };
             let found: Vec<_> = (0..6).map(of_pose).collect();
@@ -268,8 +260,8 @@ fn edges_of_small_bodies_are_in_the_errors() {
             assert!(found.iter().flat_map(|(_, shares)| shares).all(|share| share.abs() < 3.0), "{found:?}");
         }
     }
-    let ball = Phantom::new(Ball { radius: 4.2 }, pose(1), [1.0; 3]).unwrap();
-    let rod = Phantom::new(Capsule { radius: 2.2, length: 14.0 }, pose(2), [1.0; 3]).unwrap();
+    let ball = Phantom::new(Ball { radius: 4.2 }, held_out_pose(1), [1.0; 3]).unwrap();
+    let rod = Phantom::new(Capsule { radius: 2.2, length: 14.0 }, held_out_pose(2), [1.0; 3]).unwrap();
     for phantom in [ball, rod] {
         let measured = at_defaults(&phantom.labels().unwrap().mask(1));
         let error = measured.standard_error.surface_area_mm2.unwrap() / measured.surface_area_mm2.unwrap();
@@ -282,7 +274,7 @@ fn edges_of_small_bodies_are_in_the_errors() {
 #[test]
 fn boxes_along_the_grid_know_their_volume() {
     for side in [6.37, 10.37, 20.61] {
-        let shifts = (0..5).map(|n| Pose::new([0.0; 3], pose(n).shift()));
+        let shifts = (0..5).map(|n| Pose::new([0.0; 3], held_out_pose(n).shift()));
         let of_pose = |turned: Pose| {
             let inside = |p: [f64; 3]| p.iter().all(|v| v.abs() < side / 2.0);
             let measured = at_defaults(&posed(&turned, &inside));
@@ -301,7 +293,7 @@ fn what_is_resolved_is_left_to_the_blur() {
     for spacing in [[1.0; 3], [0.75, 1.0, 1.5]] {
         for number in 0..3 {
             let shape = Ellipsoid { radii: [21.0, 16.0, 13.0] };
-            let phantom = Phantom::new(shape, pose(number), spacing).unwrap();
+            let phantom = Phantom::new(shape, held_out_pose(number), spacing).unwrap();
             let mask = phantom.labels().unwrap().mask(1);
             let measured = at_defaults(&mask);
             assert_eq!(measured.parameters.embedding, EmbeddingKind::Gaussian);
@@ -316,7 +308,7 @@ fn what_is_resolved_is_left_to_the_blur() {
 #[test]
 fn noise_is_not_recovered() {
     let shape = Ellipsoid { radii: [18.0, 14.0, 11.0] };
-    let phantom = Phantom::new(shape, pose(2), [1.0; 3]).unwrap();
+    let phantom = Phantom::new(shape, held_out_pose(2), [1.0; 3]).unwrap();
     let clean = phantom.labels().unwrap().mask(1);
     let beside = |index: [i64; 3]| {
         let side = clean.get(index);
@@ -369,7 +361,7 @@ fn objects_in_the_middle_of_the_grid_have_larger_errors() {
 /// The empty margin around an object and the place of its image in the world change no number of it.
 #[test]
 fn nothing_depends_on_the_margin() {
-    let turned = pose(4);
+    let turned = held_out_pose(4);
     let box_in = |size: usize, first: f64| {
         let grid = Grid::axis_aligned([size; 3], [1.0; 3]).unwrap();
         let mask = Mask::from_predicate(grid, |index| {

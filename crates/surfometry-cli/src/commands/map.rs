@@ -112,26 +112,19 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
         sink.written(&task.finish()?);
     }
     deliver(&sink.finish(outcome)?, None)?;
-    if let Some(later) = task.against.as_ref().filter(|_| !outcome.stopped && !args.options.chooses_labels())
+    if !quiet
+        && !outcome.stopped
+        && !args.options.chooses_labels()
+        && let Some((name, labels)) =
+            args.against.as_ref().zip(task.against.as_ref().and_then(Against::not_compared))
     {
-        say_not_compared(args.against.as_deref().unwrap_or_default(), &later.not_compared());
-    }
-    Ok(with_scales(status(outcome), &scale_ledger, quiet))
-}
-
-/// What only the later image has is on no surface of the first.
-fn say_not_compared(later: &str, labels: &[i64]) {
-    const SHOWN: usize = 10;
-    if !labels.is_empty() {
-        let shown: Vec<String> = labels.iter().take(SHOWN).map(i64::to_string).collect();
-        let more =
-            if labels.len() > SHOWN { format!(" and {} more", labels.len() - SHOWN) } else { String::new() };
+        // What only the later image has is on no surface of the first.
+        let name = one_line(name);
         say(&format!(
-            "{}: label {}{more} of it was compared with nothing: no object of that label was mapped",
-            one_line(later),
-            shown.join(", ")
+            "{name}: label {labels} of it was compared with nothing: no object of that label was mapped"
         ));
     }
+    Ok(with_scales(status(outcome), &scale_ledger, quiet))
 }
 
 fn style(args: &Args) -> Result<MapStyle> {

@@ -59,7 +59,10 @@ impl Setup {
         let open = totals.open.as_ref();
         let terms = self.compensation(surviving, open);
         let clip = open.map(|open| open.part.summary(self.grid.spacing().cell_volume(), &open.boundary));
-        let evidence = self.evidence(totals, terms, clip);
+        let voxels = totals.voxels.summary(&self.grid);
+        let counted_volume = self.soft.map_or(voxels.volume_mm3, |edges| edges.volume);
+        let voxel_volume = clip.map_or(counted_volume, |clip| clip.voxel_volume_mm3);
+        let evidence = self.evidence(totals, surviving, terms, voxel_volume);
         let topology = TopologySummary::of(&totals.topology, evidence.mesh.as_ref());
         let with_surface = surviving.filter(Integrals::has_surface);
         let errors = with_surface.and_then(|integrals| self.error_model(&integrals));
@@ -91,7 +94,7 @@ impl Setup {
             standard_error,
             blurred,
             mesh: evidence.mesh.map_or_else(MeshSummary::default, |mesh| MeshSummary::of(&mesh)),
-            voxels: totals.voxels.summary(&self.grid),
+            voxels,
             topology,
             clip,
             parameters: self.parameters,
@@ -107,11 +110,10 @@ impl Setup {
     fn evidence(
         &self,
         totals: &Totals,
+        plain: Option<Integrals>,
         terms: Option<CompensationTerms>,
-        clip: Option<ClipSummary>,
+        voxel_volume: f64,
     ) -> Evidence {
-        let plain = self.surviving(&totals.sums);
-        let counted = || totals.voxels.summary(&self.grid).volume_mm3;
         Evidence {
             spacing: self.grid.spacing(),
             embedding: self.parameters.embedding,
@@ -120,10 +122,7 @@ impl Setup {
             thickness: self.parameters.thickness_mm,
             epsilon: self.parameters.epsilon,
             saturation: self.parameters.saturation(),
-            voxel_volume: match clip {
-                Some(clip) => clip.voxel_volume_mm3,
-                None => self.soft.map_or_else(counted, |edges| edges.volume),
-            },
+            voxel_volume,
             voxel_euler: totals.topology.euler_characteristic_26,
             narrow: plain.map(|plain| self.narrow_places(&plain)).unwrap_or_default(),
             boundary_curvature: totals.open.as_ref().map(|open| open.boundary.curvature),

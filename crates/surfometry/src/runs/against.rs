@@ -11,7 +11,7 @@ use crate::inputs::open;
 use crate::measurement::Object;
 use crate::surface::{Placed, Surface, SurfaceChange};
 use crate::volume::{
-    LabelGroup, LabelImage, LabelSelection, LabelTable, Mask, Segments, Selected, VolumeError,
+    LabelGroup, LabelImage, LabelSelection, LabelTable, Mask, Segments, Selected, VolumeError, shortened,
 };
 use serde::Serialize;
 use std::collections::BTreeSet;
@@ -108,11 +108,14 @@ impl Against {
         })
     }
 
-    /// Labels that the later image has and no object that was compared with it; none of segments, whose values are no labels.
-    pub fn not_compared(&self) -> Vec<i64> {
-        let (Voxels::Labels(image), None) = (&self.voxels, &self.segments) else { return Vec::new() };
+    /// Labels that the later image has and no object that was compared with it, the first of many; none of segments, whose
+    /// values are no labels.
+    pub fn not_compared(&self) -> Option<String> {
+        let (Voxels::Labels(image), None) = (&self.voxels, &self.segments) else { return None };
         let compared = self.compared.lock().unwrap_or_else(PoisonError::into_inner);
-        image.summaries().iter().map(|label| label.label).filter(|label| !compared.contains(label)).collect()
+        let labels = image.summaries().iter().map(|label| label.label);
+        let left: Vec<i64> = labels.filter(|label| !compared.contains(label)).collect();
+        (!left.is_empty()).then(|| shortened(left.into_iter()))
     }
 
     /// Compares the surface of an object with that of the later one of the same label, and keeps what there is at each vertex.

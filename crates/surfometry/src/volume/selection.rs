@@ -156,7 +156,8 @@ impl Found {
     }
 }
 
-fn shortened(labels: impl ExactSizeIterator<Item = i64>) -> String {
+/// Labels as text, the first of many.
+pub(crate) fn shortened(labels: impl ExactSizeIterator<Item = i64>) -> String {
     const SHOWN: usize = 20;
     let more = labels.len().saturating_sub(SHOWN);
     let text = labels.take(SHOWN).map(|l| l.to_string()).collect::<Vec<_>>().join(", ");

@@ -15,6 +15,15 @@ pub fn poses() -> [Pose; 3] {
     ]
 }
 
+/// Poses that nothing was tuned on.
+pub fn held_out_pose(number: usize) -> Pose {
+    let part = |n: usize, step: f64| (0.37 + step * (3 * number + n) as f64).fract();
+    Pose::new(
+        std::array::from_fn(|a| 180.0 * part(a, 0.618_034)),
+        std::array::from_fn(|a| part(a, 0.754_878) - 0.5),
+    )
+}
+
 /// Spacings whose largest edge is 1 and whose ratio goes up to 4.
 pub const SPACINGS: [[f64; 3]; 5] =
     [[1.0, 1.0, 1.0], [0.5, 0.5, 1.0], [1.0, 0.7, 0.4], [0.25, 1.0, 0.5], [0.25, 0.25, 1.0]];
