@@ -211,7 +211,8 @@ progress
         When the page was made, as it is to say. Without it a page tells no time, unless the environment has
         SOURCE_DATE_EPOCH.
     curvature_sigma : float, {"auto", "local", "object"} or None
-        As of `surface`.
+        As of `surface`; None is "auto" for eight objects or fewer, where no sigma, embedding or other choice of the
+        field is given.
 
     Raises
     ------

@@ -156,13 +156,15 @@ def check_record(page, record):
     assert numbers(rows["mesh of the blurred"][4]) == [topology["euler_characteristic_mesh"]]
     assert numbers(rows["voxels"][4]) == [topology[f"euler_characteristic_voxels_{n}"] for n in [26, 6]]
     (found,) = embedded(page)
-    # Times differ from run to run, and are not in the page.
-    kept = record.keys() - {"read_seconds", "seconds"}
+    # Times differ from run to run, and are not in the page; the surface has a scale of its own, the numbers do not.
+    kept = record.keys() - {"read_seconds", "seconds", "curvature_sigma_mm"}
     assert {key: found.get(key) for key in kept} == {key: record[key] for key in kept}
+    assert found["curvature_sigma_mm"] > found["parameters"]["sigma_mm"]
+    assert "by vertex: the original surface" in page.locator("dl", has_text="Surface and local curvature").first.inner_text()
     assert found["seconds"] is None and found["read_seconds"] is None
     means = {d["name"]: d["by_area"]["mean"] for d in found["distributions"]}
-    # The surface of the distributions is the one that was measured.
-    shown = record["blurred"]["average_mean_curvature_per_mm"]
+    # The surface of the distributions is the original one.
+    shown = record["average_mean_curvature_per_mm"]
     assert means["mean_curvature_per_mm"] == pytest.approx(shown, rel=0.05)
     flags = page.locator(".flags b").all_inner_texts()
     assert flags == [flag["code"] for flag in record["flags"] if flag["code"] != "not-computed"]
@@ -337,6 +339,8 @@ def test_a_cohort_is_sorted_searched_filtered_saved_and_printed(show, tmp_path):
     rows = table(page)
     assert len(rows) == 100
     records = {record["input"]: record for record in embedded(page)}
+    # Of so many the surfaces are those that were measured.
+    assert {record["curvature_sigma_mm"] for record in records.values()} == {None}
     page.get_by_role("button", name="volume mm³").click()
     page.get_by_role("button", name="volume mm³").click()
     shown = [row[1] for row in table(page)]

@@ -56,8 +56,8 @@ impl OutputOptions {
 pub(crate) struct CurvatureOptions {
     /// Map the surface and its curvature in the corrected embedding, as those of the original object, at this
     /// blur in mm; auto = local = what suits each vertex, in the embedding that gives the object back; object = one
-    /// that suits the object as a whole, faster. Integrals keep --sigma [default: the surface as measured; of `map`
-    /// with pictures of surfaces alone and no choice of sigma or embedding: auto]
+    /// that suits the object as a whole, faster. Integrals keep --sigma [default: the surface as measured; of pictures
+    /// of surfaces alone and of pages of eight objects or fewer, without a choice of sigma or embedding: auto]
     #[arg(long, value_name = "MM|auto|local|object", value_parser = curvature_scale, allow_hyphen_values = true)]
     curvature_sigma: Option<CurvatureScale>,
 }

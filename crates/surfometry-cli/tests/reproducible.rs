@@ -104,6 +104,15 @@ fn a_result_is_measured_again() {
         assert!(refused.status.code() == Some(2) && said.contains(&field), "{said}");
     }
 
+    // An input named twice is one; the same object with several parameters is none.
+    succeeds(folder, &["measure", torus, torus, "-o", "twice.json"]);
+    let again = run_in(folder, &["rerun", "twice.json"]);
+    assert!(text(&again.stdout).ends_with("1 of 1 the same to the last bit\n"), "{}", text(&again.stdout));
+    succeeds(folder, &["sweep", torus, "--range", "1:2:2", "-o", "sweep.json"]);
+    let refused = run_in(folder, &["rerun", "sweep.json"]);
+    assert_eq!(refused.status.code(), Some(2));
+    assert!(text(&refused.stderr).contains("several parameters"), "{}", text(&refused.stderr));
+
     for (name, content, words) in [
         ("c.json", "{}", "missing field"),
         ("d.csv", "input,label\n", "measure -o FILE.json"),

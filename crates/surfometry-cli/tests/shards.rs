@@ -126,6 +126,7 @@ fn shards_that_do_not_belong_together() {
     refused(&[names.clone(), vec![names[1].clone()]].concat(), &["both shard 2/3", "shard-2.jsonl"]);
     refused(&with(other(3, &inputs, &["--sigma", "1.5"])), &["different runs", "sigma", "1.5"]);
     refused(&with(other(3, &inputs, &["--label", "1"])), &["different runs", "label"]);
+    refused(&with(other(3, &inputs, &["--interfaces"])), &["different runs", "interfaces"]);
     refused(&with(other(3, &inputs[1..], &[])), &["lists of"]);
     let mut changed = inputs.clone();
     changed.rotate_left(1);
@@ -187,8 +188,35 @@ fn a_refused_resume_leaves_nothing() {
     };
     assert_eq!(resumed(&[]), Some(0));
     assert_eq!(resumed(&["--sigma", "3"]), Some(2));
+    // What only one of two runs states.
+    assert_eq!(resumed(&["--interfaces"]), Some(2));
+    assert_eq!(resumed(&["--regions", "phantom:ball?radius=6"]), Some(2));
     fs::write(folder.join("r.csv.journal"), "garbage\n").unwrap();
     assert_eq!(resumed(&[]), Some(2));
+}
+
+/// Numbers by region belong to the image of regions that was there; a file may be as old as it says.
+#[test]
+fn a_resume_looks_at_all_its_files() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    for name in ["a.nii.gz", "zones.nii.gz"] {
+        assert!(run_in(folder, &["phantom", "ball?radius=6", "-o", name]).status.success());
+    }
+    let long_ago = std::time::SystemTime::UNIX_EPOCH - std::time::Duration::from_millis(1_234_567_890_500);
+    let file = fs::File::options().write(true).open(folder.join("a.nii.gz")).unwrap();
+    file.set_modified(long_ago).unwrap();
+    let inputs = ["a.nii.gz".to_owned()];
+    let more = ["--resume", "--regions", "zones.nii.gz", "-o", "r.json"];
+    let resumed = || run_in(folder, &measure(&inputs, &more));
+    for _ in 0..2 {
+        let run = resumed();
+        assert!(run.status.success(), "{}", text(&run.stderr));
+    }
+    assert!(run_in(folder, &["phantom", "ball?radius=4", "-o", "zones.nii.gz"]).status.success());
+    let refused = resumed();
+    assert_eq!(refused.status.code(), Some(2));
+    assert!(text(&refused.stderr).contains("the file of regions"), "{}", text(&refused.stderr));
 }
 
 /// Killed again and again, in whatever moment, a run comes to the table of a run in one go; what was in its journal is

@@ -2,7 +2,7 @@
 
 use crate::input::Request;
 use crate::measured::no_object;
-use crate::options::{curvature, plan};
+use crate::options::{choices, curvature, plan};
 use pyo3::prelude::*;
 use std::io;
 use std::path::PathBuf;
@@ -24,13 +24,15 @@ pub(crate) fn report(
     command: String,
 ) -> PyResult<()> {
     let Request { image, options, session } = request;
+    let is_free = curvature_sigma.is_none() && !choices(py, &options)?.names_a_field();
     let plan = plan(py, &options, curvature(py, curvature_sigma)?)?;
     session.run(py, &image.held()?, move |control, prepared| {
         let (name, source) = prepared.opened(&plan.open)?;
         let input = Opened::new(&name, None, source, control);
         let title = title.unwrap_or_else(|| input_title(&name));
+        let task = ReportTask::new(plan).of_free_choice(is_free);
         let (mut objects, mut sources, mut failures) = (Vec::new(), Vec::new(), Vec::new());
-        surfometry::runs::Task::run(&ReportTask::new(plan), &input, &mut |item| match item {
+        surfometry::runs::Task::run(&task, &input, &mut |item| match item {
             Item::Row(ReportPart::Object(object)) => objects.push(*object),
             Item::Row(ReportPart::Source(source)) => sources.push(source),
             Item::Failure(failure) => failures.push(failure),

@@ -20,6 +20,7 @@
 //! | integrals with their derivatives, for optimisation | [`differentiable`] |
 //! | classical estimators, agreement of two tables | [`reference_methods`], [`comparison`], [`statistics`] |
 //! | how well all of it holds | [`validation`] |
+//! | texts of files, as they may be shown | [`text`] |
 //!
 //! The shortest way in: [`runs::records_of`] for a file, [`Measurement::run`] for a mask in memory,
 //! [`Measurement::run_labels`] for all labels of an image, [`measurement::PartialMeasurement`] for an image in
@@ -52,6 +53,7 @@ pub mod runs;
 mod space;
 pub mod statistics;
 pub mod surface;
+pub mod text;
 pub mod tiling;
 pub mod topology;
 pub mod validation;

@@ -239,6 +239,23 @@ fn a_file_is_named_for_what_it_is() {
     assert!(message.contains("NRRD") && message.contains("MetaImage"), "{message}");
 }
 
+/// Sizes whose product no number holds, of slices in files of their own.
+#[test]
+fn sizes_beyond_all_numbers_in_many_files() {
+    let files = Files::new();
+    let huge = "4294967296 4294967296";
+    let nrrd = format!(
+        "NRRD0004\ntype: uchar\ndimension: 3\nsizes: {huge} 2\nspacings: 1 1 1\nencoding: raw\ndata file: LIST\na.raw\nb.raw\n"
+    );
+    let meta = format!(
+        "NDims = 3\nDimSize = {huge} 2\nElementSpacing = 1 1 1\nElementType = MET_UCHAR\nElementDataFile = LIST\na.raw\nb.raw\n"
+    );
+    for (name, header) in [("a.nhdr", nrrd), ("a.mhd", meta)] {
+        let message = refusal(&files.put(name, &[header.as_bytes()]));
+        assert!(message.contains("4294967296"), "{name}: {message}");
+    }
+}
+
 /// A field that stands in a header twice says two things, and one is wrong; the same twice is one.
 #[test]
 fn fields_and_segments_that_are_there_twice() {

@@ -55,7 +55,9 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
     let mut page = PageSink::new(args.output.clone(), title, args.date.clone());
     let finished = page.clone();
     before_the_end(move || finished.save());
-    let outcome = batch.run(&ReportTask::new(plan).of_inputs(inputs.len()), &mut page)?;
+    let is_free = args.curvature.asked().is_none() && !args.options.choices().names_a_field();
+    let task = ReportTask::new(plan).of_inputs(inputs.len()).of_free_choice(is_free);
+    let outcome = batch.run(&task, &mut page)?;
     let Some(objects) = page.finish(outcome.stopped)? else {
         say(&format!("{}: not written, for there is nothing to show", args.output.display()));
         return Ok(if outcome.stopped { status(outcome) } else { SOME_FAILED });

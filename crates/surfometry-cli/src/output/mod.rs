@@ -37,6 +37,7 @@ use std::io::{ErrorKind, IsTerminal, Write};
 use std::path::{Path, PathBuf};
 use surfometry::inputs::files_of;
 use surfometry::io::{try_writing, write_whole};
+use surfometry::text::turns_text;
 use width::wrapped;
 
 /// The command that was given, as a shell takes it.
@@ -89,8 +90,7 @@ fn escaped(text: &str, is_kept: impl Fn(char) -> bool) -> Cow<'_, str> {
 
 /// Neither a command nor what turns the direction of the text around it, so that a name would read as another one.
 fn is_harmless(c: char) -> bool {
-    let turns = matches!(c, '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
-    !turns && !c.is_control()
+    !turns_text(c) && !c.is_control()
 }
 
 /// Refuses, before anything is measured, an output that could not be written or that would replace an input.

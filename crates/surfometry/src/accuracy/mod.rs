@@ -13,6 +13,7 @@ mod flags;
 mod local_errors;
 mod occupancy_noise;
 mod position_noise;
+mod ripples;
 mod scale;
 mod scale_choice;
 mod shear;

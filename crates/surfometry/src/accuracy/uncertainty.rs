@@ -76,13 +76,13 @@ pub(crate) const SHARED: f64 = 0.7;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ErrorModel {
     spacing: Spacing,
-    sigma: f64,
+    pub(super) sigma: f64,
     /// [`inverse_fourth_powers`].
-    lattice: f64,
+    pub(super) lattice: f64,
     /// By how much the band's sum is off on faces along the grid, by axis.
     face_excess: [f64; 3],
     /// Of shares of voxels instead of bits.
-    occupancies: Option<OccupancyNoise>,
+    pub(super) occupancies: Option<OccupancyNoise>,
 }
 
 impl ErrorModel {
@@ -148,7 +148,7 @@ impl ErrorModel {
         let balls = (surface.area * curvature.powi(2) / (4.0 * PI)).max(1.0);
         let ratio = (self.spacing.largest() / self.sigma).powi(2);
         let [rough_area, rough_mean] = left_of_terraces(self.spacing, self.sigma);
-        let least_mean = LEAST_MEAN * surface.area * curvature;
+        let least_mean = least_mean(surface);
         let area = libm::hypot(
             libm::hypot(AREA_NOISE * 2.0 * curvature * curved, libm::hypot(rims, excess.sqrt())),
             rough_area * surface.area,
@@ -242,6 +242,11 @@ impl SurfaceIntegrals {
 pub(crate) fn left_of_terraces(spacing: Spacing, sigma: f64) -> [f64; 2] {
     let fourths = spacing.mm().map(|h| (h / sigma).powi(4));
     TERRACES.map(|share| share * fourths.iter().sum::<f64>())
+}
+
+/// What M that cancels over a surface counts as at least, mm.
+pub(super) fn least_mean(surface: &SurfaceIntegrals) -> f64 {
+    LEAST_MEAN * surface.area * rms_curvature(surface)
 }
 
 /// 1/R, the rms of the larger principal curvature.

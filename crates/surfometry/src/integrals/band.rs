@@ -73,7 +73,7 @@ impl Band {
 
     /// Whether a gradient is one that a surface has.
     #[inline(always)]
-    pub(super) fn stands(&self, gradient: f64) -> bool {
+    pub(crate) fn stands(&self, gradient: f64) -> bool {
         gradient < f64::INFINITY && gradient >= self.minimum_gradient
     }
 }

@@ -25,13 +25,23 @@ pub(super) struct FileSeries {
 }
 
 impl FileSeries {
-    /// The voxels of an image of so many slices; what is wrong with the number of files.
-    pub(super) fn voxels(self, slices: usize, slice_bytes: u64) -> Result<Voxels, String> {
+    /// The voxels of an image of so many columns, rows and slices; what is wrong with the number of files.
+    pub(super) fn voxels(
+        self,
+        [width, height, slices]: [usize; 3],
+        voxel_bytes: usize,
+    ) -> Result<Voxels, String> {
         let files = self.files.len();
         if files == 0 || !slices.is_multiple_of(files) {
             return Err(format!("{files} data files for {slices} slices; name one a slice"));
         }
-        let each = (slices / files) as u64 * slice_bytes;
+        let numbers = [slices / files, width, height, voxel_bytes].map(|n| n as u64);
+        let each = numbers.iter().try_fold(1_u64, |bytes, &n| bytes.checked_mul(n));
+        let each = each.ok_or_else(|| {
+            format!(
+                "{width} x {height} x {slices} voxels are more bytes than can be counted; correct the sizes"
+            )
+        })?;
         Ok(Voxels::Assembled(Assembled(Arc::new(Series { of: Arc::new(self), each }))))
     }
 

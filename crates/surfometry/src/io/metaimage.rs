@@ -38,8 +38,7 @@ pub(super) fn read_header(path: &Path) -> Result<ImageHeader, ReadError> {
     let scalar = scalar(keys.text("ElementType").unwrap_or("none"))?;
     let affine = affine(&keys, axes.len())?;
     let data = if let Some(series) = series(path, &keys, &mut lines, scalar)? {
-        let slice = (dimensions[0] * dimensions[1] * scalar.bytes()) as u64;
-        series.voxels(dimensions[2], slice).map_err(error)?
+        series.voxels(dimensions, scalar.bytes()).map_err(error)?
     } else {
         let position = lines.position();
         Voxels::Stored(data(path, &keys, position, lines.into_file())?)

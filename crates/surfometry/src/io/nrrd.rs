@@ -44,8 +44,7 @@ pub(super) fn read_header(path: &Path) -> Result<ImageHeader, ReadError> {
     let Geometry { affine, stated_spacing } = geometry(&fields, &axes)?;
     let unknown_unit = unit(&fields)?.err();
     let data = if let Some(series) = series(path, &fields, &mut lines, scalar)? {
-        let slice = (dimensions[0] * dimensions[1] * scalar.bytes()) as u64;
-        series.voxels(dimensions[2], slice).map_err(error)?
+        series.voxels(dimensions, scalar.bytes()).map_err(error)?
     } else {
         let position = lines.position();
         Voxels::Stored(data(path, &fields, scalar, position, lines.into_file())?)

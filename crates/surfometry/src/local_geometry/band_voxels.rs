@@ -12,7 +12,7 @@ pub struct BandVoxel {
 }
 
 /// Most voxels that are handed on together: their columns stay in the processor's nearest caches.
-const CAPACITY: usize = 256;
+pub(crate) const CAPACITY: usize = 256;
 /// Most voxels that are added together.
 pub(crate) const GROUP: usize = u8::BITS as usize;
 

@@ -12,8 +12,8 @@ mod matched_weights;
 mod stencil;
 mod unsheared;
 
-pub(crate) use band_voxels::GROUP as BAND_GROUP;
 pub use band_voxels::{BandVoxel, BandVoxels};
+pub(crate) use band_voxels::{CAPACITY as BAND_CAPACITY, GROUP as BAND_GROUP};
 pub use curvature::Curvature;
 pub use finite_difference::FiniteDifferences;
 pub use gaussian_derivatives::GaussianDerivatives;

@@ -16,7 +16,7 @@ use thiserror::Error;
 /// What the text in front of a value is, whatever form it is of.
 const SCHEMA_NAME: &str = "surfometry-partial/";
 /// The form that is written and read.
-const SCHEMA: &str = "surfometry-partial/4";
+const SCHEMA: &str = "surfometry-partial/5";
 
 type Results = Vec<(LabelGroup, Measured)>;
 

@@ -4,7 +4,6 @@
 //! compensation undoes, and rounds the voxels' corners; what lies on the wrong side of phi = 0 further than
 //! both explain is detail that is lost, or a gap that is filled, and no compensation brings it back.
 
-use super::hollow_creases::HollowCreases;
 use crate::accuracy::{Flag, FlagCode, place_text};
 use crate::integrals::Band;
 use crate::local_geometry::{BandVoxels, Curvature, Differentiation, FieldBlock, Jet, TileField};
@@ -17,8 +16,6 @@ use serde::{Deserialize, Serialize};
 pub(super) struct Detail {
     pub(super) lost: WrongVoxels,
     pub(super) filled: WrongVoxels,
-    /// What the blur fills less deeply than a voxel.
-    pub(super) hollow: HollowCreases,
 }
 
 /// Voxels on the wrong side of the surface.
@@ -85,7 +82,6 @@ impl Detail {
     pub(super) fn merged(mut self, other: &Self) -> Self {
         self.lost.merge(&other.lost);
         self.filled.merge(&other.filled);
-        self.hollow.merge(&other.hollow);
         self
     }
 
@@ -242,8 +238,7 @@ impl Watch<'_> {
         }
     }
 
-    /// A voxel on the wrong side: half a voxel beyond what the blur's shift explains it is lost or filled, and less deep in a
-    /// crease it tells of that.
+    /// A voxel on the wrong side: half a voxel beyond what the blur's shift explains it is lost or filled.
     fn judge(&self, detail: &mut Detail, index: [i64; 3], jet: &Jet) {
         let Some(curvature) = Curvature::of(jet) else { return self.add(detail, index, jet.value.abs()) };
         let gradient = jet.gradient_magnitude();
@@ -253,8 +248,6 @@ impl Watch<'_> {
         let depth = jet.value.abs();
         if depth > gradient * (SHIFTS * shift + voxel) {
             self.add(detail, index, depth);
-        } else if jet.value < 0.0 {
-            detail.hollow.add(depth / gradient - shift, &curvature, self.shift_sigma, self.spacing);
         }
     }
 

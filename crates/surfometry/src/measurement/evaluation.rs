@@ -198,11 +198,13 @@ impl Setup {
         let copies = f64::from(totals.voxels.symmetry(self.grid.spacing()));
         let (detail, spacing) = (&totals.sums.detail, self.grid.spacing());
         let lost = [detail.area(spacing), detail.total_mean_curvature(spacing)];
-        let hollow = detail.hollow.errors(self.parameters.shift_sigma().unwrap_or_default(), spacing);
+        let slopes = totals.sums.ripples.mean_square();
         let compensated_errors = modelled.filter(|_| terms.is_some()).map(|(model, blurred)| {
             let surface = &blurred.surface;
             let errors = model.compensated(&blurred).with(lost[0], lost[1], surface);
-            let errors = errors.with(hollow[0], hollow[1], surface);
+            let ripples =
+                self.parameters.profile().map(|profile| model.of_ripples(surface, &profile, slopes));
+            let errors = ripples.map_or(errors, |[area, mean]| errors.with(area, mean, surface));
             let [area, mean] = off_by_volume(surface, values.volume_mm3.zip(counted));
             model.of_copies(copies, errors, &blurred).with(area, mean, surface)
         });

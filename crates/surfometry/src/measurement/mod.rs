@@ -8,7 +8,6 @@ mod comparable;
 mod detail;
 mod evaluation;
 mod explanation;
-mod hollow_creases;
 mod interfaces;
 mod level_sets;
 mod local_curvature;
@@ -21,6 +20,7 @@ mod recovery;
 mod region_values;
 mod regions;
 mod result;
+mod ripples;
 mod scheme;
 
 mod settling;

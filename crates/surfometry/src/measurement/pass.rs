@@ -1,6 +1,7 @@
 //! One walk over an object's tiles for everything that is summed over them.
 
 use super::detail::{Detail, Watch};
+use super::ripples::{CurvatureTile, Ripples};
 use crate::Control;
 use crate::integrals::{Band, Observer, Partial, Quadrature};
 use crate::local_geometry::{BandVoxels, Differentiation, FieldValue, TileField};
@@ -17,6 +18,7 @@ pub(super) struct ObjectSums {
     pub(super) integrals: Partial,
     pub(super) surface: SurfaceSums,
     pub(super) detail: Detail,
+    pub(super) ripples: Ripples,
     pub(super) times: StageTimes,
 }
 
@@ -31,7 +33,8 @@ pub(super) struct StageTimes {
 
 impl PartialEq for ObjectSums {
     fn eq(&self, other: &Self) -> bool {
-        (&self.integrals, &self.surface, &self.detail) == (&other.integrals, &other.surface, &other.detail)
+        (&self.integrals, &self.surface, &self.detail, &self.ripples)
+            == (&other.integrals, &other.surface, &other.detail, &other.ripples)
     }
 }
 
@@ -42,6 +45,7 @@ impl ObjectSums {
             integrals: self.integrals.merged(&other.integrals),
             surface: self.surface.merged(&other.surface),
             detail: self.detail.merged(&other.detail),
+            ripples: self.ripples.merged(&other.ripples),
             times: self.times.merged(&other.times),
         }
     }
@@ -112,7 +116,9 @@ impl Pass<'_> {
         let embedded = Instant::now();
         let mut summing = Duration::ZERO;
         let mut detail = self.watch.map(|watch| watch.beyond_band(&field, tile)).unwrap_or_default();
+        let mut curvature = CurvatureTile::new(*tile, self.spacing);
         let look = &mut |voxels: &BandVoxels| {
+            curvature.add(voxels, self.band);
             if let Some(watch) = &self.watch {
                 watch.in_band(voxels, &mut detail);
             }
@@ -125,6 +131,7 @@ impl Pass<'_> {
             self.quadrature,
             Observer { look, summing: &mut summing },
         );
+        let ripples = curvature.ripples();
         let integrated = Instant::now();
         let mut surface = SurfaceSums::default();
         if let TileField::Varying(field) = field {
@@ -139,6 +146,6 @@ impl Pass<'_> {
             integrate: summing,
             surface: integrated.elapsed(),
         };
-        ObjectSums { integrals, surface, detail, times }
+        ObjectSums { integrals, surface, detail, ripples, times }
     }
 }

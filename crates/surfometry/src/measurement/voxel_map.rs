@@ -111,69 +111,99 @@ impl Object {
         region: &IndexBox,
         outside: f32,
     ) -> Option<Block<f32>> {
-        let scheme = self.scheme()?;
         let outside = if quantity.is_curvature() { outside } else { 0.0 };
         let mut map = Block::filled(*region, outside);
-        let values =
-            |tile: &IndexBox| with_scheme!(&scheme, s => self.tile_values(s, tile, (quantity, outside)));
-        // A few tiles at a time, so that no second copy of the image is needed.
-        for batch in region.tiles(TILE).chunks(8 * rayon::current_num_threads()) {
-            let parts: Vec<Vec<f32>> = batch.par_iter().map(values).collect();
-            for (tile, part) in batch.iter().zip(parts) {
-                for ((y, z), row) in tile.rows().zip(part.chunks(tile.extent()[0])) {
+        self.visit_voxel_maps(
+            [quantity],
+            region,
+            outside,
+            |_| true,
+            |tile, [part]| {
+                for ((y, z), row) in tile.rows().zip(part.values().chunks(tile.extent()[0])) {
                     let start = map.offset([tile.lower[0], y, z]);
                     map.values_mut()[start..][..row.len()].copy_from_slice(row);
                 }
-            }
-        }
+            },
+        )?;
         Some(map)
     }
 
-    fn tile_values<D: Differentiation>(
+    /// Quantities of one field, in those tiles of a box that are wanted, one tile after the other; with a value where
+    /// they are not known, as in [`voxel_map_on`](Self::voxel_map_on).
+    pub(crate) fn visit_voxel_maps<const N: usize>(
+        &self,
+        quantities: [VoxelQuantity; N],
+        region: &IndexBox,
+        outside: f32,
+        is_wanted: impl Fn(&IndexBox) -> bool,
+        mut visit: impl FnMut(&IndexBox, [Block<f32>; N]),
+    ) -> Option<()> {
+        let scheme = self.scheme()?;
+        let tiles: Vec<IndexBox> = region.tiles(TILE).into_iter().filter(is_wanted).collect();
+        let values =
+            |tile: &IndexBox| with_scheme!(&scheme, s => self.tile_values(s, tile, quantities, outside));
+        // A few tiles at a time, so that no second copy of the image is needed.
+        for batch in tiles.chunks(8 * rayon::current_num_threads()) {
+            let parts: Vec<[Block<f32>; N]> = batch.par_iter().map(values).collect();
+            batch.iter().zip(parts).for_each(|(tile, parts)| visit(tile, parts));
+        }
+        Some(())
+    }
+
+    fn tile_values<D: Differentiation, const N: usize>(
         &self,
         scheme: &D,
         tile: &IndexBox,
-        (quantity, outside): (VoxelQuantity, f32),
-    ) -> Vec<f32> {
+        quantities: [VoxelQuantity; N],
+        outside: f32,
+    ) -> [Block<f32>; N] {
         let half_width = self.setup.band.delta().half_width();
-        let all = IndexBox::new([0; 3], tile.extent().map(|n| n as i64));
-        let mut values = Block::filled(all, outside);
+        let value = |quantity: VoxelQuantity| if quantity.is_curvature() { outside } else { 0.0 };
+        let mut maps = quantities.map(|quantity| Block::filled(*tile, value(quantity)));
         if self.setup.control.is_stopped() {
-            return values.into_storage();
+            return maps;
         }
-        match (scheme.tile_field(Vec::new(), tile, half_width), quantity) {
-            (TileField::Constant(phi), VoxelQuantity::Phi) => values.values_mut().fill(phi as f32),
-            (TileField::Constant(_), _) => {}
-            (TileField::Varying(field), VoxelQuantity::Phi) => {
-                for (row, (y, z)) in values.values_mut().chunks_mut(tile.extent()[0]).zip(tile.rows()) {
-                    let start = field.offset([tile.lower[0], y, z]);
-                    row.iter_mut().zip(&field.values()[start..]).for_each(|(v, &phi)| *v = phi.into() as f32);
+        match scheme.tile_field(Vec::new(), tile, half_width) {
+            TileField::Constant(phi) => {
+                let maps = maps.iter_mut().zip(quantities).filter(|(_, q)| *q == VoxelQuantity::Phi);
+                maps.for_each(|(map, _)| map.values_mut().fill(phi as f32));
+            }
+            TileField::Varying(field) => {
+                for (map, _) in maps.iter_mut().zip(quantities).filter(|(_, q)| *q == VoxelQuantity::Phi) {
+                    for (row, (y, z)) in map.values_mut().chunks_mut(tile.extent()[0]).zip(tile.rows()) {
+                        let phi = &field.values()[field.offset([tile.lower[0], y, z])..];
+                        row.iter_mut().zip(phi).for_each(|(value, &phi)| *value = phi.into() as f32);
+                    }
+                }
+                if quantities.iter().any(|quantity| *quantity != VoxelQuantity::Phi) {
+                    scheme.visit_band(&field, tile, half_width, &mut |band| {
+                        band.iter().for_each(|voxel| self.tell_band_voxel(&voxel, &mut maps, quantities));
+                    });
                 }
             }
-            (TileField::Varying(field), quantity) => {
-                scheme.visit_band(&field, tile, half_width, &mut |band| {
-                    for voxel in band.iter() {
-                        let place: [i64; 3] = std::array::from_fn(|a| voxel.index[a] - tile.lower[a]);
-                        let place = values.offset(place);
-                        if let Some(value) = self.band_value(&voxel, quantity) {
-                            values.values_mut()[place] = value as f32;
-                        }
-                    }
-                });
-            }
         }
-        values.into_storage()
+        maps
     }
 
-    /// Of a voxel of the band; `None` where the gradient has collapsed, which integrals leave out.
-    fn band_value(&self, voxel: &BandVoxel, quantity: VoxelQuantity) -> Option<f64> {
-        let (density, curvature) = self.setup.band.element(&voxel.jet)?;
-        Some(match quantity {
-            VoxelQuantity::MeanCurvature => curvature.mean_curvature,
-            VoxelQuantity::GaussianCurvature => curvature.gaussian_curvature,
-            VoxelQuantity::Delta => density,
-            VoxelQuantity::Phi | VoxelQuantity::Band => 1.0,
-        })
+    fn tell_band_voxel<const N: usize>(
+        &self,
+        voxel: &BandVoxel,
+        maps: &mut [Block<f32>; N],
+        quantities: [VoxelQuantity; N],
+    ) {
+        // Where the gradient has collapsed integrals leave a voxel out.
+        let Some((density, curvature)) = self.setup.band.element(&voxel.jet) else { return };
+        for (map, quantity) in maps.iter_mut().zip(quantities) {
+            let value = match quantity {
+                VoxelQuantity::MeanCurvature => curvature.mean_curvature,
+                VoxelQuantity::GaussianCurvature => curvature.gaussian_curvature,
+                VoxelQuantity::Delta => density,
+                VoxelQuantity::Band => 1.0,
+                VoxelQuantity::Phi => continue,
+            };
+            let place = map.offset(voxel.index);
+            map.values_mut()[place] = value as f32;
+        }
     }
 }
 

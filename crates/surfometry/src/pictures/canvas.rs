@@ -8,6 +8,7 @@ use std::fmt::Write;
 use super::error::PictureError;
 use super::figure::Figure;
 use super::raster::Raster;
+use crate::text::turns_text;
 
 /// Fonts in order: the one that [`Figure::to_png`] carries, then what resembles it.
 pub(crate) const FONTS: &str = "DejaVu Sans, Verdana, Arial, sans-serif";
@@ -159,25 +160,40 @@ impl Canvas {
     }
 }
 
+/// Width of a letter in font sizes: most are narrower than [`LETTER`] in any common font, some are wider.
+fn letter_width(c: char) -> f64 {
+    match c {
+        'M' | 'W' | 'm' | 'w' | '@' | '%' | '\u{2014}' => 1.0,
+        // Chinese, Japanese and Korean, and pictures.
+        '\u{1100}'..='\u{115f}' | '\u{2e80}'..='\u{d7ff}' | '\u{f900}'..='\u{faff}' | '\u{ff00}'.. => 1.05,
+        c if c.is_uppercase() => 0.78,
+        _ => LETTER,
+    }
+}
+
 /// Width that a text may take.
 pub(crate) fn text_width(text: &str, size: f64) -> f64 {
-    LETTER * size * text.chars().count() as f64
+    size * text.chars().map(letter_width).sum::<f64>()
 }
 
 /// Lines no wider than a width, broken at spaces (but at none that holds words together), and within words where a word is wider (file names).
 pub(crate) fn wrapped(text: &str, size: f64, width: f64) -> Vec<String> {
-    let letters = ((width / (LETTER * size)) as usize).max(1);
+    let fits = |text: &str| text_width(text, size) <= width;
     let mut lines: Vec<String> = Vec::new();
     let breaks = |c: char| c.is_whitespace() && c != '\u{a0}';
     for word in text.split(breaks).filter(|word| !word.is_empty()) {
-        let characters: Vec<char> = word.chars().collect();
-        for piece in characters.chunks(letters) {
+        match lines.last_mut() {
+            Some(line) if fits(&format!("{line} {word}")) => {
+                line.push(' ');
+                line.push_str(word);
+                continue;
+            }
+            _ => lines.push(String::new()),
+        }
+        for c in word.chars() {
             match lines.last_mut() {
-                Some(line) if line.chars().count() + 1 + piece.len() <= letters => {
-                    line.push(' ');
-                    line.extend(piece);
-                }
-                _ => lines.push(piece.iter().collect()),
+                Some(line) if line.is_empty() || fits(&format!("{line}{c}")) => line.push(c),
+                _ => lines.push(c.to_string()),
             }
         }
     }
@@ -188,7 +204,8 @@ fn listed(points: &[[f64; 2]]) -> String {
     points.iter().map(|[x, y]| format!("{x:.2},{y:.2}")).collect::<Vec<_>>().join(" ")
 }
 
-/// Text as XML's character data, also in attributes; characters that XML 1.0 has no place for are left out.
+/// Text as XML's character data, also in attributes; characters that XML 1.0 has no place for are left out, and those that
+/// make a name read as another one.
 pub(crate) fn escaped(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for c in text.chars() {
@@ -199,9 +216,27 @@ pub(crate) fn escaped(text: &str) -> String {
             '"' => out.push_str("&quot;"),
             '\'' => out.push_str("&#39;"),
             '\n' | '\t' | '\r' => out.push(' '),
-            c if c.is_control() || matches!(c, '\u{fffe}' | '\u{ffff}') => {}
+            c if c.is_control() || turns_text(c) || matches!(c, '\u{fffe}' | '\u{ffff}') => {}
             c => out.push(c),
         }
     }
     out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lines_stay_within_their_width() {
+        let name = "W".repeat(40) + &"mandible_".repeat(9) + &"\u{9aa8}".repeat(30);
+        for text in [name.as_str(), "a few words, of which none is longer than a line"] {
+            let lines = wrapped(text, TITLE, 300.0);
+            assert!(
+                lines.len() > 1 && lines.iter().all(|line| text_width(line, TITLE) <= 300.0),
+                "{lines:?}"
+            );
+            assert_eq!(lines.concat().replace(' ', ""), text.replace(' ', ""));
+        }
+    }
 }

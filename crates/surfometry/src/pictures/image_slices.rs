@@ -77,6 +77,19 @@ impl ImageSlices {
         voxel
     }
 
+    /// The places of a voxel along u and v.
+    pub(crate) fn place(&self, voxel: [i64; 3]) -> [usize; 2] {
+        let Self { sides, within, .. } = self;
+        sides.map(|(axis, reversed)| {
+            let from = if reversed {
+                within.upper[axis] - 1 - voxel[axis]
+            } else {
+                voxel[axis] - within.lower[axis]
+            };
+            from.max(0) as usize
+        })
+    }
+
     /// The voxels of a slice, u fastest.
     pub(crate) fn voxels(&self, slice: i64) -> impl Iterator<Item = [i64; 3]> + '_ {
         let [width, height] = self.size();

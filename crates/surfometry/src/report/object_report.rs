@@ -5,7 +5,7 @@ use super::display_mesh::DisplayMesh;
 use super::page_share::PageShare;
 use super::scene::{NamedSurface, scene};
 use crate::measurement::{EmbeddingKind, MeasureError, Object};
-use crate::pictures::{ColoredSurface, PictureError, color_scale, thumbnail};
+use crate::pictures::{ColoredSurface, PictureError, color_scale, how_mapped, thumbnail};
 use crate::runs::{InputObject, RunError, SurfaceRecord};
 use crate::surface::{LocalQuantity, Mesh, Surface};
 use crate::volume::hexadecimal;
@@ -20,6 +20,8 @@ pub struct ObjectReport {
     pub colour: Option<String>,
     /// All numbers.
     pub result: SurfaceRecord,
+    /// How the surface that is shown was made, as a figure's caption says it.
+    pub mapped: String,
     /// Triangles of the surface that is shown: of large ones it has fewer than the one that was measured.
     pub shown_triangles: usize,
     /// The surface, coloured by H, as the address of a PNG picture.
@@ -54,10 +56,11 @@ impl ObjectReport {
         Ok(Self {
             title: source.title(),
             colour: source.colour.map(hexadecimal),
+            mapped: how_mapped(object),
             result: SurfaceRecord::new(source.record(), surface),
             shown_triangles: mesh.as_ref().map_or(0, |mesh| mesh.triangles.len()),
             thumbnail: mesh.map(|mesh| picture(surface, mesh, share.thumbnail())).transpose()?,
-            sweep: share.sweeps().then(|| BlurSweep::of(&source.object)).flatten(),
+            sweep: share.looks_closely().then(|| BlurSweep::of(&source.object)).flatten(),
             scene_note: scene.is_none().then(|| NO_SURFACE.to_owned()),
             scene,
         })

@@ -13,8 +13,8 @@ const WRONG_OF_ONE: usize = 20_000;
 const FEW: usize = 150;
 const THUMBNAIL_OF_FEW: usize = 200;
 const THUMBNAIL: usize = 96;
-/// Most objects of a page that are measured at other blurs.
-const SWEPT: usize = 8;
+/// Most objects of a page that are looked at closely.
+const CLOSE: usize = 8;
 
 /// What one of so many objects may take.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -45,8 +45,9 @@ impl PageShare {
         if self.objects <= FEW { THUMBNAIL_OF_FEW } else { THUMBNAIL }
     }
 
-    /// Whether objects are measured at other blurs too, which takes as long as measuring ten.
-    pub(super) fn sweeps(self) -> bool {
-        self.objects <= SWEPT
+    /// Whether objects are measured at other blurs too, which takes as long as measuring ten, and mapped at a scale of
+    /// each place where no other was asked for.
+    pub(super) fn looks_closely(self) -> bool {
+        self.objects <= CLOSE
     }
 }

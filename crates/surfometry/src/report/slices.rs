@@ -3,6 +3,7 @@
 use super::packed::{Packed, Packer};
 use crate::measurement::{Object, VoxelQuantity};
 use crate::pictures::{ImageSlices, surroundings};
+use crate::tiling::{Block, IndexBox};
 use serde::Serialize;
 
 /// Slices in one direction, u to the right and v upward.
@@ -44,61 +45,102 @@ pub(super) fn slice_stacks(
     reach: f64,
     pixels: usize,
 ) -> Vec<SliceStack> {
-    let directions = [2, 1, 0];
-    let planes = directions.map(|world| ImageSlices::across(object.grid(), world, surroundings(object)));
-    planes.into_iter().filter_map(|plane| stack(packer, object, &plane, reach, pixels / 3)).collect()
+    let within = surroundings(object);
+    let mut all = [2, 1, 0]
+        .map(|world| Pixels::of(object, ImageSlices::across(object.grid(), world, within), pixels / 3));
+    let quantities = [VoxelQuantity::Phi, VoxelQuantity::MeanCurvature];
+    let wanted: Vec<IndexBox> = all.iter().flat_map(Pixels::regions).collect();
+    let is_wanted = |tile: &IndexBox| wanted.iter().any(|slice| !slice.intersection(tile).is_empty());
+    // All three from one field: a slice by itself takes the blur of as many as the kernel is wide.
+    let embedded = object.visit_voxel_maps(quantities, &within, 0.0, is_wanted, |tile, values| {
+        all.iter_mut().for_each(|pixels| pixels.take(tile, &values));
+    });
+    let stacks = all.into_iter().filter(|_| embedded.is_some());
+    stacks.map(|pixels| pixels.packed(packer, object, reach)).collect()
 }
 
-fn stack(
-    packer: &mut Packer,
-    object: &Object,
-    plane: &ImageSlices,
-    reach: f64,
-    pixels: usize,
-) -> Option<SliceStack> {
-    let [width, height] = plane.size();
-    let every = (1..=width.max(height))
-        .find(|&n| width.div_ceil(n) * height.div_ceil(n) <= pixels.max(64))
-        .unwrap_or(1);
-    let size = [width.div_ceil(every), height.div_ceil(every)];
-    let (slices, first) = chosen(object, plane.axis, (pixels / (size[0] * size[1])).clamp(1, MOST));
-    let voxels = |slice: i64| {
-        (0..size[0] * size[1])
-            .map(move |n| plane.voxel(slice, [every * (n % size[0]), every * (n / size[0])]))
-    };
-    let (mut mask, mut phi, mut curvature) = (Vec::new(), Vec::new(), Vec::new());
-    for &slice in &slices {
-        let region = plane.region(slice);
-        let values = object.voxel_map(VoxelQuantity::Phi, &region)?;
-        let mean = object.voxel_map(VoxelQuantity::MeanCurvature, &region)?;
-        mask.extend(voxels(slice).map(|voxel| u8::from(object.mask().get(voxel))));
-        phi.extend(voxels(slice).map(|voxel| phi_byte(values.get(voxel).into(), reach)));
-        curvature.extend(voxels(slice).map(|voxel| mean.get(voxel)));
+/// The slices of a direction, and what is known at their pixels, slice by slice, u fastest.
+struct Pixels {
+    plane: ImageSlices,
+    slices: Vec<i64>,
+    first: usize,
+    size: [usize; 2],
+    every: usize,
+    phi: Vec<f32>,
+    mean_curvature: Vec<f32>,
+}
+
+impl Pixels {
+    /// Of at most so many pixels, none known.
+    fn of(object: &Object, plane: ImageSlices, pixels: usize) -> Self {
+        let [width, height] = plane.size();
+        let every = (1..=width.max(height))
+            .find(|&n| width.div_ceil(n) * height.div_ceil(n) <= pixels.max(64))
+            .unwrap_or(1);
+        let size = [width.div_ceil(every), height.div_ceil(every)];
+        let (slices, first) = chosen(object, plane.axis, (pixels / (size[0] * size[1])).clamp(1, MOST));
+        let unknown = vec![0.0; slices.len() * size[0] * size[1]];
+        Self { plane, slices, first, size, every, phi: unknown.clone(), mean_curvature: unknown }
     }
-    let limit = limit(&curvature);
-    let byte = |h: &f32| if *h == 0.0 { 0 } else { curvature_byte(f64::from(*h) / limit) };
-    let curvature: Vec<u8> = curvature.iter().map(byte).collect();
-    let corner = plane.voxel(slices[0], [0, 0]);
-    let along = [[every, 0], [0, every]].map(|place| {
-        let there = plane.voxel(slices[0], place);
-        [0, 1, 2].map(|a| there[a] - corner[a])
-    });
-    Some(SliceStack {
-        name: plane.name.clone(),
-        letters: plane.letters,
-        axis: ['x', 'y', 'z'][plane.axis],
-        slices,
-        first,
-        size,
-        every,
-        spacing: plane.spacing().map(|h| h * every as f64),
-        corner,
-        along,
-        mask: packer.bytes(&mask),
-        phi: packer.bytes(&phi),
-        curvature: packer.bytes(&curvature),
-        limit,
-    })
+
+    /// The slices, as boxes.
+    fn regions(&self) -> impl Iterator<Item = IndexBox> + '_ {
+        self.slices.iter().map(|&slice| self.plane.region(slice))
+    }
+
+    /// What a tile has of the pixels' phi and H.
+    fn take(&mut self, tile: &IndexBox, [phi, mean_curvature]: &[Block<f32>; 2]) {
+        let Self { plane, slices, size: [width, height], every, .. } = self;
+        for (n, &slice) in slices.iter().enumerate() {
+            let shared = plane.region(slice).intersection(tile);
+            for (y, z) in shared.rows() {
+                for x in shared.lower[0]..shared.upper[0] {
+                    let voxel = [x, y, z];
+                    let [u, v] = plane.place(voxel);
+                    if u % *every == 0 && v % *every == 0 {
+                        let place = (n * *height + v / *every) * *width + u / *every;
+                        self.phi[place] = phi.get(voxel);
+                        self.mean_curvature[place] = mean_curvature.get(voxel);
+                    }
+                }
+            }
+        }
+    }
+
+    fn packed(self, packer: &mut Packer, object: &Object, reach: f64) -> SliceStack {
+        let Self { plane, slices, first, size, every, phi, mean_curvature } = self;
+        let voxel = |slice, [u, v]: [usize; 2]| plane.voxel(slice, [u * every, v * every]);
+        let is_inside = |n: usize| {
+            let (slice, pixel) = (n / (size[0] * size[1]), n % (size[0] * size[1]));
+            object.mask().get(voxel(slices[slice], [pixel % size[0], pixel / size[0]]))
+        };
+        let mask: Vec<u8> = (0..phi.len()).map(|n| u8::from(is_inside(n))).collect();
+        let phi: Vec<u8> = phi.into_iter().map(|phi| phi_byte(phi.into(), reach)).collect();
+        let limit = limit(&mean_curvature);
+        let byte = |h: &f32| if *h == 0.0 { 0 } else { curvature_byte(f64::from(*h) / limit) };
+        let curvature: Vec<u8> = mean_curvature.iter().map(byte).collect();
+        let corner = voxel(slices[0], [0, 0]);
+        let along = [[1, 0], [0, 1]].map(|place| {
+            let there = voxel(slices[0], place);
+            [0, 1, 2].map(|a| there[a] - corner[a])
+        });
+        SliceStack {
+            letters: plane.letters,
+            axis: ['x', 'y', 'z'][plane.axis],
+            first,
+            size,
+            every,
+            spacing: plane.spacing().map(|h| h * every as f64),
+            corner,
+            along,
+            mask: packer.bytes(&mask),
+            phi: packer.bytes(&phi),
+            curvature: packer.bytes(&curvature),
+            limit,
+            name: plane.name,
+            slices,
+        }
+    }
 }
 
 /// Slices evenly through an object, one of them nearest to its centre, and which that is.

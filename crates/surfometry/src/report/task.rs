@@ -1,7 +1,9 @@
 //! Inputs to the parts of a page.
 
+use super::page_share::PageShare;
 use super::{HashedInput, ObjectReport};
 use crate::inputs::InputError;
+use crate::measurement::CurvatureScale;
 use crate::runs::{Item, Opened, Plan, Reading, RunError, Task};
 
 /// Measures and draws every selected object of an input.
@@ -11,6 +13,8 @@ pub struct ReportTask {
     pub plan: Plan,
     /// Inputs of the page.
     inputs: usize,
+    /// Whether nothing was said of which surface is meant.
+    is_free: bool,
 }
 
 /// What a page is made of.
@@ -25,7 +29,14 @@ pub enum ReportPart {
 impl ReportTask {
     /// By a plan, of a page of one input.
     pub fn new(plan: Plan) -> Self {
-        Self { plan, inputs: 1 }
+        Self { plan, inputs: 1, is_free: false }
+    }
+
+    /// The same where nothing was said of a scale or field: where a page has few objects it shows their original surfaces at
+    /// the scale that suits each place ([`CurvatureScale::Auto`]), as pictures do; of many it takes too long.
+    #[must_use]
+    pub fn of_free_choice(self, is_free: bool) -> Self {
+        Self { is_free, ..self }
     }
 
     /// The same for a page of so many inputs: each has the same share of what a page can show, and so has each object
@@ -43,7 +54,10 @@ impl Task for ReportTask {
         input.begin_hashing();
         let reading = Reading::of(input, &self.plan)?;
         let objects = self.inputs * reading.count().max(1);
-        for object in reading.objects() {
+        let few = self.is_free && PageShare { objects }.looks_closely();
+        let curvature = if few { CurvatureScale::Auto } else { self.plan.curvature };
+        let plan = Plan { curvature, ..self.plan.clone() };
+        for object in reading.objects_of(&plan) {
             let object = object?;
             object.surface();
             input.control.check()?;

@@ -4,6 +4,7 @@ use super::page_data::page_json;
 use super::viewer::program;
 use super::{ComparisonPage, Report};
 use crate::pictures::significant;
+use crate::text::turns_text;
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
 use minijinja::value::{Serde, Value};
@@ -33,7 +34,18 @@ pub fn render(report: &Report) -> Result<String, Error> {
         scenes => Value::from(Serde(&scenes)),
         script, style, data,
     };
-    environment()?.template_from_named_str("report.html", PAGE)?.render(page)
+    let page = environment()?.template_from_named_str("report.html", PAGE)?.render(page)?;
+    Ok(in_one_direction(page))
+}
+
+/// A page in which characters that make names read as others are told by their numbers, in markup, script data and
+/// what is downloaded alike.
+fn in_one_direction(page: String) -> String {
+    if !page.contains(turns_text) {
+        return page;
+    }
+    let shown = |c: char| if turns_text(c) { format!("[U+{:04X}]", u32::from(c)) } else { c.to_string() };
+    page.chars().map(shown).collect()
 }
 
 /// What a content security policy knows a script or style by.
@@ -47,7 +59,8 @@ fn hash(text: &str) -> String {
 /// None that data can cause: the template is tested.
 pub fn render_comparison(page: &ComparisonPage) -> Result<String, Error> {
     let page = context! { page => Value::from(Serde(page)) };
-    environment()?.template_from_named_str("comparison.html", COMPARISON)?.render(page)
+    let page = environment()?.template_from_named_str("comparison.html", COMPARISON)?.render(page)?;
+    Ok(in_one_direction(page))
 }
 
 fn environment() -> Result<Environment<'static>, Error> {
@@ -103,7 +116,7 @@ mod tests {
 
     #[test]
     fn text_is_escaped_and_only_the_program_may_run() {
-        let failure = Failure::new("<script>alert(1)</script>.nii", &"<!-- no such file");
+        let failure = Failure::new("<script>alert(1)</script>\u{202e}.nii", &"<!-- no such file");
         let report = Report {
             title: "a & b <u>".to_owned(),
             objects: Vec::new(),
@@ -113,6 +126,7 @@ mod tests {
         let page = render(&report).unwrap();
         assert!(!page.contains("<script>alert") && !page.contains("<u>") && !page.contains("<i>"));
         assert!(page.contains("<title>a &amp; b &lt;u&gt;</title>") && !page.contains("<!-- no"));
+        assert!(page.contains("[U+202E].nii") && !page.contains('\u{202e}'));
         // The data and the program; nothing ends them early.
         assert_eq!((page.matches("<script").count(), page.matches("</script>").count()), (2, 2));
         let policy = "default-src 'none'; script-src 'sha256-";

@@ -9,6 +9,7 @@ use crate::{Control, Event};
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, HashSet};
 use std::io;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Arc, Mutex, PoisonError, mpsc};
 use std::time::Duration;
 
@@ -282,9 +283,9 @@ impl Batch<'_> {
             return Done::Stopped;
         }
         let failed = |error: &RunError| Done::All(vec![Item::Failure(self.failed(name, error))]);
-        let source = match open(name, &self.open) {
+        let source = match caught(|| Ok(open(name, &self.open)?)) {
             Ok(source) => source,
-            Err(error) => return failed(&error.into()),
+            Err(error) => return failed(&error),
         };
         let input = Opened::new(name, part, source, self.control).whatever_is_there();
         if self.inputs.len() == 1 || !task.side_by_side() || input.source.grid().voxel_count() > SMALL {
@@ -331,7 +332,7 @@ impl Batch<'_> {
         out: &mut dyn FnMut(Item<T::Row>),
     ) -> Result<(), RunError> {
         self.control.tell(&Event::Started { input: input.name });
-        input.done(task, self.cure, out)
+        caught(|| input.done(task, self.cure, out))
     }
 
     /// The failure of an input, of which whoever listens is told at once.
@@ -340,6 +341,15 @@ impl Batch<'_> {
         self.control.tell(&Event::Failed { input, error: &failure.error });
         failure
     }
+}
+
+/// What panics is the failure of one input: the others are done, and nobody waits for it for ever.
+fn caught<T>(work: impl FnOnce() -> Result<T, RunError>) -> Result<T, RunError> {
+    catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(|panic| {
+        let text = panic.downcast_ref::<String>().map(String::as_str);
+        let text = text.or_else(|| panic.downcast_ref::<&str>().copied());
+        Err(RunError::Fault(text.unwrap_or("it panicked").to_owned()))
+    })
 }
 
 /// What comes of an input by its number; what comes before its turn is kept. On a thread of the pool, the pool's work is done
@@ -377,5 +387,55 @@ impl Opened<'_> {
     pub(super) fn fail<R>(&self, failure: Failure, out: &mut dyn FnMut(Item<R>)) {
         self.control.tell(&Event::Failed { input: &failure.input, error: &failure.error });
         out(Item::Failure(failure));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    struct Faulty;
+
+    impl Task for Faulty {
+        type Row = String;
+
+        fn run(&self, input: &Opened, out: &mut dyn FnMut(Item<String>)) -> Result<(), RunError> {
+            assert!(!input.name.contains("radius=5"), "no five");
+            out(Item::Row(input.name.to_owned()));
+            Ok(())
+        }
+    }
+
+    #[derive(Default)]
+    struct Taken(Vec<String>, Vec<Failure>);
+
+    impl Sink<String> for Taken {
+        fn row(&mut self, row: String) -> io::Result<()> {
+            self.0.push(row);
+            Ok(())
+        }
+
+        fn failure(&mut self, failure: Failure) -> io::Result<()> {
+            self.1.push(failure);
+            Ok(())
+        }
+    }
+
+    #[test]
+    fn a_fault_is_one_inputs_failure() {
+        let all =
+            ["phantom:ball?radius=4", "phantom:ball?radius=5", "phantom:ball?radius=6"].map(str::to_owned);
+        let control = Control::default();
+        for inputs in [&all[..], &all[1..2]] {
+            let batch = Batch { inputs, open: OpenOptions::default(), control: &control, cure: |_| None };
+            let mut taken = Taken::default();
+            let outcome = batch.run(&Faulty, &mut taken).unwrap();
+            assert_eq!((outcome.rows, taken.0.len(), taken.1.len()), (inputs.len() - 1, inputs.len() - 1, 1));
+            assert!(
+                taken.1[0].error.contains("a fault of surfometry itself (no five)"),
+                "{}",
+                taken.1[0].error
+            );
+        }
     }
 }

@@ -138,15 +138,15 @@ impl Choices {
 
     /// Whether a choice says which field is measured, and so which surface is meant.
     #[cfg(feature = "pictures")]
-    fn names_a_field(&self) -> bool {
+    pub fn names_a_field(&self) -> bool {
         let lengths = !self.sigma.is_empty() || !self.thickness.is_empty() || self.epsilon.is_some();
         let scheme = self.derivatives.is_some() || self.quadrature.is_some() || self.delta.is_some();
         lengths || scheme || self.level.is_some() || self.embedding.is_some() || self.paper
     }
 
     /// Where a map's curvature is taken, if nothing is said of it. Pictures of the surface alone show the original
-    /// one at its own scale, as do error bars, which no other has, and what changes to a later one at the object's, whose noise is
-    /// known; all else is as measured.
+    /// one at its own scale, as do error bars, which no other has; what changes to a later one, whose noise is known at one
+    /// scale alone, and all else is as measured.
     #[cfg(feature = "pictures")]
     pub fn scale_of_map<'a>(
         &self,
@@ -160,7 +160,8 @@ impl Choices {
         let of_blur = quantity == LocalQuantity::Displacement;
         let is_free = pictures && !of_blur && !self.names_a_field();
         match quantity {
-            _ if quantity.is_change() && is_free => CurvatureScale::Object,
+            // Of changes the noise is known at one scale alone, and a larger one than that of the numbers loses them.
+            _ if quantity.is_change() => CurvatureScale::AsMeasured,
             _ if quantity.is_standard_error() || is_free => CurvatureScale::Auto,
             _ => CurvatureScale::AsMeasured,
         }

@@ -54,6 +54,9 @@ pub enum RunError {
     /// A measure that records do not have.
     #[error("{0}: no number of that name is measured; names are those of the columns of CSV")]
     NoMeasure(String),
+    /// A fault of this library.
+    #[error("a fault of surfometry itself ({0}); please report it with the file")]
+    Fault(String),
     /// A file that was another one when it had been read.
     #[error("the file changed while it was read: measure it again when it is finished")]
     Changed,

@@ -27,6 +27,9 @@ pub struct RunHead {
     version: String,
     pub(super) shard: Shard,
     pub(super) settings: Settings,
+    /// What the image of regions was, where there is one.
+    #[serde(default)]
+    beside: FileStamps,
     /// How many inputs all shards have.
     pub(super) all_inputs: usize,
     /// SHA-256 of their names in their order: whether shards were cut out of one list is seen in no other way.
@@ -147,6 +150,12 @@ impl RunHead {
             version: env!("CARGO_PKG_VERSION").to_owned(),
             shard,
             settings: Settings::of(plan),
+            beside: plan
+                .regions
+                .iter()
+                .map(|regions| FileStamps::of_files(&[regions.file().into()]))
+                .next()
+                .unwrap_or_default(),
             all_inputs: all.len(),
             list: digest(all),
             inputs: shard.inputs(all),
@@ -177,7 +186,12 @@ impl RunHead {
 
     fn check_goes_on(&self, earlier: &Self, path: &Path) -> Result<(), JournalError> {
         let other_shard = (self.shard != earlier.shard).then(|| format!("shard {}", earlier.shard));
-        match other_shard.or_else(|| earlier.settings.difference(&self.settings)) {
+        let other_settings = || earlier.settings.difference(&self.settings);
+        let other_beside = || {
+            (self.beside != earlier.beside)
+                .then(|| "the file of regions, which is another one now".to_owned())
+        };
+        match other_shard.or_else(other_settings).or_else(other_beside) {
             Some(what) => Err(JournalError::OtherRun { path: path.to_owned(), what }),
             None => Ok(()),
         }

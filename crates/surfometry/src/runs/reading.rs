@@ -174,7 +174,7 @@ impl<'a> Reading<'a> {
     }
 
     /// The same objects by another plan.
-    pub(super) fn objects_of<'s>(
+    pub(crate) fn objects_of<'s>(
         &'s self,
         plan: &'s Plan,
     ) -> impl Iterator<Item = Result<InputObject, RunError>> + 's {
@@ -414,11 +414,33 @@ impl<R: SlabReader<Error = InputError>> SlabReader for Watched<'_, R> {
 
 /// Sizes and times of an input's files, which tell whether two readings were of the same.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
-pub(super) struct FileStamps(Vec<Option<(u64, Option<SystemTime>)>>);
+pub(super) struct FileStamps(Vec<Option<(u64, Option<Moment>)>>);
 
 impl FileStamps {
     pub(super) fn of(source: &dyn Source) -> Self {
-        let stamp = |path: &PathBuf| path.metadata().ok().map(|m| (m.len(), m.modified().ok()));
-        Self(source.files().iter().map(stamp).collect())
+        Self::of_files(&source.files())
+    }
+
+    pub(super) fn of_files(files: &[PathBuf]) -> Self {
+        let stamp =
+            |path: &PathBuf| path.metadata().ok().map(|m| (m.len(), m.modified().ok().map(Moment::of)));
+        Self(files.iter().map(stamp).collect())
+    }
+}
+
+/// A time of a file, which may lie before 1970.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+struct Moment {
+    secs_since_epoch: i64,
+    nanos_since_epoch: u32,
+}
+
+impl Moment {
+    fn of(time: SystemTime) -> Self {
+        let (sign, apart) = match time.duration_since(SystemTime::UNIX_EPOCH) {
+            Ok(since) => (1, since),
+            Err(before) => (-1, before.duration()),
+        };
+        Self { secs_since_epoch: sign * apart.as_secs() as i64, nanos_since_epoch: apart.subsec_nanos() }
     }
 }

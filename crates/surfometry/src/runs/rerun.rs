@@ -58,7 +58,24 @@ impl WrittenRun {
         if run.schema != SCHEMA {
             return Err(not_one(format!("its schema is {}, not {SCHEMA}", run.schema)));
         }
-        Ok(run)
+        match run.of_several_parameters() {
+            Some(object) => Err(not_one(format!(
+                "{object} stands in it with several parameters, as `sweep` writes it; what `measure` writes can be measured again"
+            ))),
+            None => Ok(run),
+        }
+    }
+
+    /// An object that was measured in several ways.
+    fn of_several_parameters(&self) -> Option<String> {
+        let mut known = BTreeMap::new();
+        self.results.iter().find_map(|row| {
+            let earlier = known.insert(key(row), &row["parameters"]);
+            let (input, object) = key(row);
+            earlier
+                .is_some_and(|earlier| *earlier != row["parameters"])
+                .then(|| format!("{input}, label {object}"))
+        })
     }
 
     /// What made it.
@@ -131,9 +148,14 @@ pub struct Repetition {
 impl Repetition {
     /// Of a document.
     pub fn of(run: &WrittenRun) -> Self {
-        let keyed: Vec<_> = run.results.iter().map(|row| (key(row), row.clone())).collect();
-        let order = keyed.iter().map(|(key, _)| key.clone()).collect();
-        let before = keyed.into_iter().collect();
+        let mut order = Vec::new();
+        let mut before = BTreeMap::new();
+        // An input may have been named twice.
+        for row in &run.results {
+            if before.insert(key(row), row.clone()).is_none() {
+                order.push(key(row));
+            }
+        }
         Self { before, order, found: BTreeMap::new(), failures: BTreeMap::new() }
     }
 

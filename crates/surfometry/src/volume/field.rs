@@ -93,7 +93,7 @@ impl FieldValues {
                     values = FieldValues::F64(doubles);
                 }
                 (FieldValues::F32(all), samples) => {
-                    all.try_reserve_exact(grid.voxel_count() - all.len()).map_err(too_large)?;
+                    all.try_reserve_exact(grid.voxel_count().saturating_sub(all.len())).map_err(too_large)?;
                     for_samples!(samples, v => all.extend(v.iter().map(|v| v.to_f64() as f32)));
                 }
             }

@@ -1,6 +1,7 @@
 //! What labels stand for.
 
 use super::LabelGroup;
+use crate::text::turns_text;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -139,7 +140,8 @@ pub(crate) fn hexadecimal([r, g, b]: [u8; 3]) -> String {
 }
 
 fn tidy(name: &str) -> Option<String> {
-    let printable: String = name.chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
+    let printable = name.chars().filter(|c| !turns_text(*c)).map(|c| if c.is_control() { ' ' } else { c });
+    let printable: String = printable.collect();
     let name = printable.trim();
     (!name.is_empty()).then(|| name.to_owned())
 }
@@ -154,7 +156,7 @@ mod tests {
 
     fn table() -> LabelTable {
         let entries = [
-            (1, entry(" Liver\u{7}", Some([1, 2, 3]))),
+            (1, entry(" Liver\u{202e}\u{7}", Some([1, 2, 3]))),
             (2, entry("liver", None)),
             (5, entry("Spleen", None)),
         ];

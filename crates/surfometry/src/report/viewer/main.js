@@ -26,7 +26,7 @@ function show() {
 function sheet(object) {
   const picture = object.thumbnail ? element("img", { src: object.thumbnail, alt: "" }) : element("p", {}, object.scene_note);
   return element("section", { class: "sheet" }, ...[element("h2", {}, colourSwatch(object), object.title), picture, valuesTable(object.result),
-    flagList(object.result), distributionsTable(object.result), methodPart(object.result)].filter(Boolean));
+    flagList(object.result), distributionsTable(object.result), methodPart(object)].filter(Boolean));
 }
 
 let sheets = null;

@@ -1,10 +1,10 @@
 // How an object was measured, and what the page was made of.
 
-function methodPart(result) {
+function methodPart({ result, mapped }) {
   const { parameters, grid, mesh } = result, sigma = parameters.sigma_mm;
   const pairs = [
     ["Embedding", parameters.embedding, sigma ? `: φ = ${digits(parameters.level)} − G ∗ I, σ = ${digits(sigma)} mm` : ""],
-    result.curvature_sigma_mm && ["Surface and local curvature", `corrected embedding, σ = ${digits(result.curvature_sigma_mm)} mm: of the original object`],
+    result.curvature_sigma_mm && ["Surface and local curvature", mapped],
     ["Derivatives", `${parameters.derivatives}; at vertices taken at the vertex`],
     ["Band", `${parameters.delta} delta, thickness ${digits(parameters.thickness_mm)} mm, ε = ${digits(parameters.epsilon)}; quadrature ${parameters.quadrature}`],
     ["Image", `${grid.dimensions.join(" × ")} voxels of ${grid.spacing_mm.map(h => digits(h)).join(" × ")} mm`],

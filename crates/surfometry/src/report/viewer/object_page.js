@@ -14,7 +14,7 @@ class ObjectPage {
       element("section", { class: "surface" }, element("h3", {}, "Surface"), this.stage),
       this.after,
       element("section", {}, ...[distributionsTable(result), object.sweep && sweepPart(object.sweep, result.parameters.sigma_mm),
-        !object.sweep && result.parameters.sigma_mm && element("p", { class: "lead" }, "A page of many objects has no sweep over blurs: surfometry sweep makes it."), methodPart(result)].filter(Boolean)),
+        !object.sweep && result.parameters.sigma_mm && element("p", { class: "lead" }, "A page of many objects has no sweep over blurs: surfometry sweep makes it."), methodPart(object)].filter(Boolean)),
     ].filter(Boolean));
   }
 
