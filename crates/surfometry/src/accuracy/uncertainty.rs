@@ -198,8 +198,12 @@ impl ErrorModel {
 
     /// Standard errors of compensated values: the grid's noise, and the bias that is left. It is at most what
     /// compensation changed: where the surface turns within a sigma, as where slices are thick, powers of
-    /// curvature only tell noise.
-    pub fn compensated(&self, integrals: &Integrals) -> IntegralErrors {
+    /// curvature only tell noise. Of A and M it is at least what the gradient of H tells, mm^2 and mm; 0 where that is not known.
+    pub fn compensated(
+        &self,
+        integrals: &Integrals,
+        [ripples_of_area, ripples_of_mean]: [f64; 2],
+    ) -> IntegralErrors {
         let noise = self.grid_noise(integrals);
         let surface = &integrals.surface;
         let curvature = rms_curvature(surface);
@@ -218,7 +222,8 @@ impl ErrorModel {
             .min(2.0 * square * surface.total_squared_mean_curvature);
         let mean = (of_mean * fourth * fifth).min(most_of_mean);
         let directed = self.occupancies.map_or([0.0; 3], |occupancies| occupancies.directed(surface));
-        let bias = [volume, area, mean];
+        // Powers of curvature and its gradient tell of the same: where a surface turns, they are both large.
+        let bias = [volume, area.max(ripples_of_area), mean.max(ripples_of_mean)];
         let [volume, area, mean] = std::array::from_fn(|n| libm::hypot(bias[n], directed[n]));
         let area = libm::hypot(area, self.tilted_faces(integrals));
         let (area, mean) = (libm::hypot(noise.area, area), libm::hypot(noise.total_mean_curvature, mean));

@@ -201,10 +201,9 @@ impl Setup {
         let slopes = totals.sums.ripples.mean_square();
         let compensated_errors = modelled.filter(|_| terms.is_some()).map(|(model, blurred)| {
             let surface = &blurred.surface;
-            let errors = model.compensated(&blurred).with(lost[0], lost[1], surface);
-            let ripples =
-                self.parameters.profile().map(|profile| model.of_ripples(surface, &profile, slopes));
-            let errors = ripples.map_or(errors, |[area, mean]| errors.with(area, mean, surface));
+            let profile = self.parameters.profile();
+            let ripples = profile.map_or([0.0; 2], |profile| model.of_ripples(surface, &profile, slopes));
+            let errors = model.compensated(&blurred, ripples).with(lost[0], lost[1], surface);
             let [area, mean] = off_by_volume(surface, values.volume_mm3.zip(counted));
             model.of_copies(copies, errors, &blurred).with(area, mean, surface)
         });

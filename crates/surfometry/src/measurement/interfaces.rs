@@ -342,7 +342,7 @@ impl Core {
         };
         let integrals = self.strict.as_ref().unwrap_or(&self.loose);
         let ((average, own), (looser, _)) = (average(integrals)?, average(&self.loose)?);
-        let errors = setup.error_model(integrals)?.compensated(integrals);
+        let errors = setup.error_model(integrals)?.compensated(integrals, [0.0; 2]);
         let of_core =
             of_average([own.area, own.total_mean_curvature], [errors.area, errors.total_mean_curvature], 0.0);
         let share = (own.area / area).min(1.0);

@@ -153,7 +153,7 @@ impl Whole<'_> {
     /// Standard errors of V, A, M and the integral of K by the model; 0 where there is none.
     fn modelled(&self, integrals: &Integrals) -> [f64; 4] {
         let model = self.object.setup.error_model(integrals).filter(|_| integrals.has_surface());
-        model.map_or([0.0; 4], |model| four(&model.compensated(integrals)))
+        model.map_or([0.0; 4], |model| four(&model.compensated(integrals, [0.0; 2])))
     }
 
     /// What V, A, M and the integral of K hang on where the border of a part lies, which is known to a voxel of the object and
