@@ -53,7 +53,9 @@ pub(super) fn slice_stacks(
     let is_wanted = |tile: &IndexBox| wanted.iter().any(|slice| !slice.intersection(tile).is_empty());
     // All three from one field: a slice by itself takes the blur of as many as the kernel is wide.
     let embedded = object.visit_voxel_maps(quantities, &within, 0.0, is_wanted, |tile, values| {
-        all.iter_mut().for_each(|pixels| pixels.take(tile, &values));
+        for pixels in &mut all {
+            pixels.take(tile, &values);
+        }
     });
     let stacks = all.into_iter().filter(|_| embedded.is_some());
     stacks.map(|pixels| pixels.packed(packer, object, reach)).collect()
