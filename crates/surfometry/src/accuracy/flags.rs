@@ -25,7 +25,8 @@ pub enum FlagCode {
     ThicknessAboveBlur,
     /// The Gauss-Bonnet characteristic is far from an even integer.
     EulerNotInteger,
-    /// The Gauss-Bonnet characteristic is near another even integer than the voxels'.
+    /// The mesh of the blurred surface has another Euler characteristic than the voxels; without a mesh, Gauss and Bonnet's is near
+    /// another even integer.
     EulerDiffersFromVoxels,
     /// The object is cut so that nothing of it is left between the cuts.
     NothingBetweenCuts,

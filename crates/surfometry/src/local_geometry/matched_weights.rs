@@ -112,7 +112,8 @@ impl<const N: usize> Fit<N> {
 /// Solves linear equations with the right-hand sides behind the matrix's columns, by elimination with row
 /// exchange and substitution; a row of solutions an unknown.
 ///
-/// Own code: a dozen unknowns, once an object, do not need the linear algebra crates that were looked at.
+/// Own code: a dozen unknowns once an object, or some hundred once an image of interfaces, do not need the linear algebra crates
+/// that were looked at.
 pub(crate) fn solved(mut system: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
     let size = system.len();
     for column in 0..size {

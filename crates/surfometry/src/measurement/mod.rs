@@ -164,9 +164,8 @@ impl Measurement {
         Self { embedding, ..self }
     }
 
-    /// How the field is differentiated; by default by matched differences for the Gaussian embedding where
-    /// sigma is 1.75 to 8 voxels along every axis, with Gaussian derivatives where it is not, and by finite
-    /// differences for the other embeddings.
+    /// How the field is differentiated; by default of a blur by matched differences where sigma is 1.75 to 8 voxels
+    /// along every axis, and with Gaussian derivatives where it is not; by finite differences of a distance or a given field.
     #[must_use]
     pub fn derivatives(self, derivatives: Derivatives) -> Self {
         Self { derivatives: Some(derivatives), ..self }

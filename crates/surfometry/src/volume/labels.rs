@@ -73,7 +73,7 @@ impl LabelImage {
         encoder.finish(grid, runs)
     }
 
-    /// The runs of labels, and what is known of the labels in ascending order.
+    /// The runs of labels.
     pub(super) fn runs(&self) -> &LabelRuns {
         &self.runs
     }
@@ -205,7 +205,7 @@ impl RunEncoder {
         self.push_samples(&slab.samples, runs)
     }
 
-    /// The same of slices whose place is known.
+    /// The same of their samples.
     pub(super) fn push_samples(
         &mut self,
         samples: &Samples,
