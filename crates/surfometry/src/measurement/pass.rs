@@ -131,8 +131,10 @@ impl Pass<'_> {
             self.quadrature,
             Observer { look, summing: &mut summing },
         );
+        let differentiated = Instant::now();
         let ripples = curvature.ripples();
         let integrated = Instant::now();
+        summing += integrated - differentiated;
         let mut surface = SurfaceSums::default();
         if let TileField::Varying(field) = field {
             if self.with_surface {
