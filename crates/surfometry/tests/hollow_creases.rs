@@ -3,7 +3,7 @@
 
 mod common;
 
-use common::{codes, held_out_pose, rms};
+use common::{codes, held_out_pose, off_by, rms};
 use surfometry::Measurement;
 use surfometry::phantoms::{Phantom, TwoBalls};
 
@@ -12,15 +12,7 @@ fn off(radius: f64, length: f64, spacing: [f64; 3], number: usize) -> [[f64; 2];
     let phantom = Phantom::new(TwoBalls { radius, length }, held_out_pose(number), spacing).unwrap();
     let truth = phantom.truth().unwrap();
     let measured = Measurement::default().run_settled(phantom.labels().unwrap().mask(1)).unwrap();
-    let errors = &measured.standard_error;
-    let found = [
-        (measured.surface_area_mm2, errors.surface_area_mm2, truth.surface_area),
-        (measured.total_mean_curvature_mm, errors.total_mean_curvature_mm, truth.total_mean_curvature),
-    ];
-    let off = found.map(|(value, error, exact)| {
-        let by = value.unwrap() - exact;
-        [by / exact, by / error.unwrap()]
-    });
+    let off = off_by(&measured, [truth.surface_area, truth.total_mean_curvature]);
     println!("{radius} {length} {spacing:?}: {off:?} {:?}", codes(&measured));
     off
 }

@@ -2,9 +2,10 @@
 
 mod common;
 
+use common::off_by;
 use std::f64::consts::PI;
 use surfometry::Measurement;
-use surfometry::measurement::{EmbeddingKind, Measured};
+use surfometry::measurement::EmbeddingKind;
 use surfometry::volume::{Grid, Mask, ProbabilityImage};
 
 /// A body of revolution about an axis that no axis of the grid is: r = R (1 + a cos(k cos theta)).
@@ -46,19 +47,6 @@ impl Waved {
     }
 }
 
-/// A and M: what they are off, in shares of the truth and in standard errors.
-fn off(measured: &Measured, truth: [f64; 2]) -> [[f64; 2]; 2] {
-    let errors = &measured.standard_error;
-    let found = [
-        (measured.surface_area_mm2, errors.surface_area_mm2),
-        (measured.total_mean_curvature_mm, errors.total_mean_curvature_mm),
-    ];
-    std::array::from_fn(|n| {
-        let by = found[n].0.unwrap() - truth[n];
-        [by / truth[n], by / found[n].1.unwrap()]
-    })
-}
-
 /// Waves of 9 to 15 voxels, some tenths of a voxel high.
 #[test]
 fn what_is_missing_of_waves_is_in_the_errors() {
@@ -75,7 +63,7 @@ fn what_is_missing_of_waves_is_in_the_errors() {
         let at = |index: [usize; 3]| std::array::from_fn(|a| (index[a] as f64 - centre[a]) * spacing[a]);
         let mask = Mask::from_predicate(grid, |index| body.holds(at(index)));
         let choices = Measurement::default().embedding(EmbeddingKind::Gaussian);
-        let found = off(&choices.run(&mask).unwrap(), body.truth());
+        let found = off_by(&choices.run(&mask).unwrap(), body.truth());
         println!("{radius} {height} {waves} {spacing:?}: {found:?}");
         for [share, z] in found {
             // The area of waves is what a blur takes: it is never gained.
@@ -115,7 +103,7 @@ fn creases_of_soft_segmentations_are_in_the_errors() {
         let image = ProbabilityImage::new(grid, values).unwrap();
         let choices = Measurement::default().embedding(EmbeddingKind::Probability);
         let measured = choices.run_probability(&image).unwrap();
-        let found = off(&measured, [area, mean]);
+        let found = off_by(&measured, [area, mean]);
         println!("{radius} {apart} {rod}: {found:?}");
         for [share, z] in found {
             assert!((-0.016..-0.003).contains(&share) && (-2.0..-0.4).contains(&z), "{share} {z}");

@@ -111,7 +111,6 @@ impl Object {
         region: &IndexBox,
         outside: f32,
     ) -> Option<Block<f32>> {
-        let outside = if quantity.is_curvature() { outside } else { 0.0 };
         let mut map = Block::filled(*region, outside);
         self.visit_voxel_maps(
             [quantity],

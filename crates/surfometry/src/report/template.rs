@@ -10,6 +10,7 @@ use base64::prelude::BASE64_STANDARD;
 use minijinja::value::{Serde, Value};
 use minijinja::{Environment, Error, ErrorKind, context};
 use sha2::{Digest, Sha256};
+use std::fmt::Write;
 
 const PAGE: &str = include_str!("report.html");
 const COMPARISON: &str = include_str!("comparison.html");
@@ -44,8 +45,15 @@ fn in_one_direction(page: String) -> String {
     if !page.contains(turns_text) {
         return page;
     }
-    let shown = |c: char| if turns_text(c) { format!("[U+{:04X}]", u32::from(c)) } else { c.to_string() };
-    page.chars().map(shown).collect()
+    let mut shown = String::with_capacity(page.len());
+    for c in page.chars() {
+        if turns_text(c) {
+            let _ = write!(shown, "[U+{:04X}]", u32::from(c));
+        } else {
+            shown.push(c);
+        }
+    }
+    shown
 }
 
 /// What a content security policy knows a script or style by.

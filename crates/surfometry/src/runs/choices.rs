@@ -159,11 +159,11 @@ impl Choices {
         let pictures = style.pictures.iter().all(of_surface) && outputs.into_iter().all(drawn);
         let of_blur = quantity == LocalQuantity::Displacement;
         let is_free = pictures && !of_blur && !self.names_a_field();
-        match quantity {
-            // Of changes the noise is known at one scale alone, and a larger one than that of the numbers loses them.
-            _ if quantity.is_change() => CurvatureScale::AsMeasured,
-            _ if quantity.is_standard_error() || is_free => CurvatureScale::Auto,
-            _ => CurvatureScale::AsMeasured,
+        // Of changes the noise is known at one scale alone, and a larger one than that of the numbers loses them.
+        if !quantity.is_change() && (quantity.is_standard_error() || is_free) {
+            CurvatureScale::Auto
+        } else {
+            CurvatureScale::AsMeasured
         }
     }
 

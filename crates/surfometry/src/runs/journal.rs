@@ -152,9 +152,8 @@ impl RunHead {
             settings: Settings::of(plan),
             beside: plan
                 .regions
-                .iter()
+                .as_ref()
                 .map(|regions| FileStamps::of_files(&[regions.file().into()]))
-                .next()
                 .unwrap_or_default(),
             all_inputs: all.len(),
             list: digest(all),

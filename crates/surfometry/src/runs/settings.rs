@@ -120,8 +120,8 @@ impl Settings {
         let words = |settings: &Self| serde_json::to_value(settings).unwrap_or_default();
         let (own, others) = (words(self), words(other));
         // What is the default may not be written.
-        let names = own.as_object()?.keys().chain(others.as_object()?.keys());
-        let differing = names.into_iter().find(|name| own[name.as_str()] != others[name.as_str()]);
+        let mut names = own.as_object()?.keys().chain(others.as_object()?.keys());
+        let differing = names.find(|name| own[name.as_str()] != others[name.as_str()]);
         let said = |value: &Value| if value.is_null() { "the default".to_owned() } else { value.to_string() };
         differing.map(|name| format!("{name}: {} and {}", said(&own[name]), said(&others[name])))
     }

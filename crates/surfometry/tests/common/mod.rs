@@ -101,3 +101,16 @@ pub fn assert_same_place(name: &str, found: &Measured, expected: &Measured) {
         assert!((a - b).abs() < 1e-3, "{name}: centroid {a}, not {b}");
     }
 }
+
+/// A and M: what they are off, in shares of the truth and in standard errors.
+pub fn off_by(measured: &Measured, truth: [f64; 2]) -> [[f64; 2]; 2] {
+    let errors = &measured.standard_error;
+    let found = [
+        (measured.surface_area_mm2, errors.surface_area_mm2),
+        (measured.total_mean_curvature_mm, errors.total_mean_curvature_mm),
+    ];
+    std::array::from_fn(|n| {
+        let by = found[n].0.unwrap() - truth[n];
+        [by / truth[n], by / found[n].1.unwrap()]
+    })
+}
