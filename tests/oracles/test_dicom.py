@@ -8,7 +8,13 @@ import pydicom
 import pytest
 from conftest import affine_of, info, lumpy, measure, oblique, surfometry
 from pydicom.sr.codedict import codes
-from pydicom.uid import ExplicitVRLittleEndian, ImplicitVRLittleEndian, generate_uid
+from pydicom.uid import (
+    DeflatedExplicitVRLittleEndian,
+    ExplicitVRBigEndian,
+    ExplicitVRLittleEndian,
+    ImplicitVRLittleEndian,
+    generate_uid,
+)
 from test_label_names import numbers, surfometry_error
 
 SHAPE = (33, 31, 27)
@@ -51,7 +57,8 @@ def slice_of(voxels, k, syntax=ExplicitVRLittleEndian, affine=AFFINE, **more):
     data_set.BitsAllocated = data_set.BitsStored = 8 * plane.itemsize
     data_set.HighBit = data_set.BitsStored - 1
     data_set.PixelRepresentation = int(np.issubdtype(plane.dtype, np.signedinteger))
-    data_set.PixelData = plane.tobytes() + b"\0" * (plane.nbytes % 2)
+    order = ">" if syntax == ExplicitVRBigEndian else "<"
+    data_set.PixelData = plane.astype(plane.dtype.newbyteorder(order)).tobytes() + b"\0" * (plane.nbytes % 2)
     for name, value in more.items():
         setattr(data_set, name, value)
     return data_set
@@ -81,12 +88,15 @@ def check(path, voxels, affine=AFFINE, tolerance=2e-5):
     assert counted == {v: (len(at), [at.min(axis=0).tolist(), at.max(axis=0).tolist()]) for v, at in boxes.items()}
 
 
-@pytest.mark.parametrize("syntax", [ExplicitVRLittleEndian, ImplicitVRLittleEndian])
+@pytest.mark.parametrize("syntax", [ExplicitVRLittleEndian, ImplicitVRLittleEndian, ExplicitVRBigEndian])
 @pytest.mark.parametrize("dtype", [np.uint8, np.int16, np.uint16, np.int32])
 def test_a_series_of_labels(tmp_path, syntax, dtype):
     voxels = body().astype(dtype) * 3
     voxels[10:14, 12:15, 9:16] = 7
     folder = write_series(tmp_path / "series", voxels, syntax=syntax)
+    if syntax == ExplicitVRBigEndian and dtype == np.int32:
+        assert "32 bits a pixel in big-endian order" in surfometry_error("info", folder)
+        return
     (folder / "README.txt").write_text("not an image")
     check(folder, voxels)
     # Any file of it stands for it.
@@ -175,6 +185,25 @@ def test_compressed_pixels_are_named(tmp_path):
     assert "compressed with RLE" in surfometry_error("measure", folder)
 
 
+def test_a_file_that_is_compressed_as_a_whole_is_named(tmp_path):
+    slice_of(body(), 3, DeflatedExplicitVRLittleEndian).save_as(tmp_path / "a", enforce_file_format=True)
+    assert pydicom.dcmread(tmp_path / "a").Rows == SHAPE[1]
+    error = surfometry_error("measure", tmp_path / "a")
+    assert "compressed with deflate" in error and "dcmconv +te" in error and "feature" not in error
+
+
+@pytest.mark.parametrize(("name", "dtype"), [("FloatPixelData", np.float32), ("DoubleFloatPixelData", np.float64)])
+def test_images_of_floats_are_named(tmp_path, name, dtype):
+    data_set = slice_of(body(), 3)
+    for element in ["PixelData", "BitsStored", "HighBit", "PixelRepresentation"]:
+        delattr(data_set, element)
+    data_set.BitsAllocated = 8 * dtype().itemsize
+    setattr(data_set, name, np.ascontiguousarray(body()[:, :, 3].T).astype(dtype).tobytes())
+    data_set.save_as(tmp_path / "a", enforce_file_format=True)
+    assert pydicom.dcmread(tmp_path / "a").pixel_array.dtype == dtype
+    assert f"an image of floats ({name}" in surfometry_error("measure", tmp_path / "a")
+
+
 def test_one_slice_and_a_name_of_another_format(tmp_path):
     slice_of(body(), 3).save_as(tmp_path / "a.nii.gz", enforce_file_format=True)
     assert "this is DICOM, not NIfTI" in surfometry_error("measure", tmp_path / "a.nii.gz")
@@ -250,6 +279,24 @@ def test_segments_that_overlap(tmp_path, omit, shuffled):
             np.testing.assert_allclose(record[name], alone[name], rtol=2e-5)
         np.testing.assert_allclose(record["voxels"]["centroid_mm"], alone["voxels"]["centroid_mm"], atol=1e-3)
         assert "touches-border" not in [flag["code"] for flag in record["flags"]]
+
+
+@pytest.mark.parametrize("thickness", ["0.65", "1.3", "2.6"])
+@pytest.mark.parametrize("omit", [True, False])
+def test_slices_of_a_segmentation_are_as_far_apart_as_their_positions(tmp_path, thickness, omit):
+    """Where nothing says SpacingBetweenSlices, SliceThickness does not say it either: as highdicom's volume has it."""
+    shape = organs()["Leber"]
+    path = segmentation(tmp_path / "seg.dcm", [shape], ["Leber"], omit_empty_frames=omit)
+    data_set = pydicom.dcmread(path)
+    (measures,) = data_set.SharedFunctionalGroupsSequence[0].PixelMeasuresSequence
+    del measures.SpacingBetweenSlices
+    measures.SliceThickness = thickness
+    data_set.save_as(path, enforce_file_format=True)
+    spacing = hd.seg.segread(path).get_volume().spacing[::-1]
+    np.testing.assert_allclose(info(path)["spacing_mm"], spacing, rtol=1e-4)
+    (record,) = measure(path)
+    assert record["voxels"]["count"] == int(shape.sum())
+    np.testing.assert_allclose(record["voxels"]["volume_mm3"], shape.sum() * np.prod(spacing), rtol=1e-4)
 
 
 def test_folders_with_segmentations(tmp_path):
@@ -350,6 +397,17 @@ def test_a_representation_that_there_is_not(tmp_path):
     data = bytearray(path.read_bytes())
     at = data.index(b"\x20\x00\x13\x00IS") + 4
     data[at : at + 8] = b"\x91T\0\0" + (2433941536).to_bytes(4, "little")
+    path.write_bytes(data)
+    assert "claims 2433941536 bytes" in surfometry_error("info", path)
+
+
+def test_a_length_in_big_endian_order(tmp_path):
+    """Out of use, but read: 2 GB were made room for in a file of 5 kB (found by fuzz/)."""
+    path = tmp_path / "a.dcm"
+    slice_of(body(), 3, ExplicitVRBigEndian).save_as(path, enforce_file_format=True)
+    data = bytearray(path.read_bytes())
+    at = data.index(b"\0\x20\0\x13IS") + 4
+    data[at : at + 8] = b"UN\0\0" + (2433941536).to_bytes(4, "big")
     path.write_bytes(data)
     assert "claims 2433941536 bytes" in surfometry_error("info", path)
 

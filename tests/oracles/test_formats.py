@@ -1,5 +1,9 @@
 """Files written by nibabel, SimpleITK, pynrrd and NumPy are read as those tools mean them, and ours as we do."""
 
+import bz2
+import itertools
+import pathlib
+
 import nibabel as nib
 import nrrd
 import numpy as np
@@ -75,6 +79,24 @@ def test_nibabel_qform_only_pair_and_big_endian(tmp_path, handedness):
     check(tmp_path / "big.nii", image, oblique(handedness))
 
 
+def test_pairs_in_any_case_and_packing(tmp_path):
+    image = labels("int16")
+    nib.save(nib.Nifti1Pair(image, oblique()), tmp_path / "pair.img")
+    parts = {ending: (tmp_path / f"pair.{ending}").read_bytes() for ending in ["hdr", "img"]}
+    ways = {"": bytes, ".bz2": bz2.compress}
+    for number, (of_header, of_image) in enumerate(itertools.product(ways, ways)):
+        names = {"hdr": f"p{number}.hdr{of_header}", "img": f"p{number}.img{of_image}"}
+        for part, packing in [("hdr", of_header), ("img", of_image)]:
+            (tmp_path / names[part]).write_bytes(ways[packing](parts[part]))
+        for name in names.values():
+            check(tmp_path / name, image, oblique())
+    for number, case in enumerate([str.capitalize, str.upper]):
+        for part, data in parts.items():
+            (tmp_path / f"Q{number}.{case(part)}").write_bytes(data)
+        for part in parts:
+            check(tmp_path / f"Q{number}.{case(part)}", image, oblique())
+
+
 @pytest.mark.parametrize("compressed", [False, True])
 @pytest.mark.parametrize("name", ["a.mha", "a.mhd", "a.nrrd", "a.nii.gz"])
 def test_simpleitk(tmp_path, name, compressed):
@@ -108,6 +130,51 @@ def test_pynrrd(tmp_path, encoding, detached):
     micron["space units"] = ["um", "um", "um"]
     nrrd.write(str(name), image, micron, detached_header=detached)
     check(name, image, oblique())
+
+
+def nrrd_of(path, image, *fields):
+    sizes = " ".join(map(str, image.shape))
+    lines = ["NRRD0005", "type: uchar", f"dimension: {image.ndim}", f"sizes: {sizes}", "encoding: raw", *fields, "", ""]
+    pathlib.Path(path).write_bytes("\n".join(lines).encode() + image.tobytes("F"))
+    return path
+
+
+@pytest.mark.parametrize("centers", [None, "cell cell cell", "node node node", "cell node ???"])
+def test_where_a_nrrd_without_directions_lies(tmp_path, centers):
+    """At its axis mins, or half a voxel on, as ITK has it."""
+    image = labels("uint8")
+    fields = ["spacings: 0.8 1 1.5", "axis mins: 10 -20 30.5", *([f"centers: {centers}"] if centers else [])]
+    path = nrrd_of(tmp_path / "a.nrrd", image, *fields)
+    affine = np.diag([0.8, 1, 1.5, 1])
+    affine[:3, 3] = sitk.ReadImage(path).GetOrigin()
+    check(path, image, affine)
+    nrrd_of(path, image, "spacings: 0.8 1 1.5", "axis mins: 10 nan 30.5")
+    check(path, image, np.diag([0.8, 1, 1.5, 1]))
+
+
+@pytest.mark.parametrize(
+    "space, turn", [("RAST", [1, 1]), ("LPST", [-1, -1]), ("LAST", [-1, 1]), ("left-posterior-superior-time", [-1, -1])]
+)
+def test_a_nrrd_of_one_time(tmp_path, space, turn):
+    image = labels("uint8")
+    directions = "space directions: (0.8,0,0,0) (0,1,0,0) (0,0,1.5,0) (0,0,0,2)"
+    fields = [f"space: {space}", directions, "space origin: (1,2,3,0)", 'space units: "mm" "mm" "mm" "s"']
+    path = nrrd_of(tmp_path / "a.nrrd", image[..., None], *fields)
+    affine = np.diag([*turn, 1, 1]) @ np.diag([0.8, 1, 1.5, 1])
+    affine[:3, 3] = [turn[0], 2 * turn[1], 3]
+    check(path, image, affine)
+    times = ["spacings: 800 1000 1500 nan", 'units: "um" "um" "um" "s"', "kinds: domain domain domain time"]
+    check(nrrd_of(path, image[..., None], *times), image, np.diag([0.8, 1, 1.5, 1]))
+
+
+def test_metaimage_with_colons(tmp_path):
+    image = labels("uint8")
+    sizes = " ".join(map(str, image.shape))
+    lines = ["ObjectType: Image", "NDims: 3", f"DimSize: {sizes}", "ElementSpacing = 0.8 1 1.5", "ElementType: MET_UCHAR", "ElementDataFile: LOCAL"]
+    (tmp_path / "a.mha").write_bytes("\n".join([*lines, ""]).encode() + image.tobytes("F"))
+    read = sitk.ReadImage(tmp_path / "a.mha")
+    np.testing.assert_array_equal(sitk.GetArrayFromImage(read).T, image)
+    check(tmp_path / "a.mha", image, np.diag([-0.8, -1, 1.5, 1]))
 
 
 @pytest.mark.parametrize("order", ["C", "F"])

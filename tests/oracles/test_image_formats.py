@@ -1,6 +1,7 @@
 """Files of FreeSurfer, Scanco, TIFF, OME-Zarr and VTK, written by those formats' own libraries, are read as these mean them."""
 
 import json
+import struct
 import subprocess
 
 import nibabel as nib
@@ -78,8 +79,6 @@ GIVEN = ["--spacing", ",".join(map(str, SPACING))]
     ids=str,
 )
 def test_tiff_by_tifffile(tmp_path, dtype, order, options):
-    if options.get("photometric") and dtype[0] != "u":
-        pytest.skip("white is zero of unsigned numbers alone")
     if options.get("predictor") and dtype in ("uint64", "float32", "float64"):
         pytest.skip("tifffile writes these predictors with imagecodecs alone")
     image = labels(dtype)
@@ -103,6 +102,20 @@ def test_tiff_of_one_bit(tmp_path):
         check(tmp_path / "a.tif", image, placed(), *GIVEN)
 
 
+@pytest.mark.parametrize("dtype", ["int16", "float32"])
+def test_tiff_that_would_be_turned_round(tmp_path, dtype):
+    """White as zero of compressed numbers with a sign, and bits from right to left."""
+    tifffile.imwrite(tmp_path / "a.tif", stored(labels(dtype)), photometric="miniswhite", compression="zlib")
+    assert "WhiteIsZero" in refused(tmp_path / "a.tif", *GIVEN)
+    # tifffile reads the tag and does not write it: one of nobody's takes its place.
+    tifffile.imwrite(tmp_path / "b.tif", stored(labels(dtype)), byteorder="<", extratags=[(65000, 3, 1, 2, False)])
+    data = (tmp_path / "b.tif").read_bytes()
+    (tmp_path / "b.tif").write_bytes(data.replace(struct.pack("<HHI", 65000, 3, 1), struct.pack("<HHI", 266, 3, 1)))
+    with tifffile.TiffFile(tmp_path / "b.tif") as tiff:
+        assert all(page.fillorder == 2 for page in tiff.pages)
+    assert "FillOrder" in refused(tmp_path / "b.tif", *GIVEN)
+
+
 @pytest.mark.parametrize("unit, factor", [("mm", 1.0), ("micron", 1000.0), ("\\u00B5m", 1000.0), ("cm", 0.1)])
 @pytest.mark.parametrize("truncate", [False, True])
 def test_tiff_of_imagej(tmp_path, unit, factor, truncate):
@@ -123,6 +136,16 @@ def test_tiff_of_imagej(tmp_path, unit, factor, truncate):
     check(tmp_path / "a.tif", image, placed(), tolerance=1e-4)
 
 
+def test_tiff_of_imagej_with_a_unit_an_axis(tmp_path):
+    image = labels("uint8")
+    x, y, z = SPACING
+    for units, lengths in [({"zunit": "mm"}, (1000 * x, 1000 * y, z)), ({"yunit": "mm", "zunit": "cm"}, (1000 * x, y, z / 10))]:
+        metadata = {"axes": "ZYX", "unit": "um", "spacing": lengths[2], **units}
+        resolution = (1 / lengths[0], 1 / lengths[1])
+        tifffile.imwrite(tmp_path / "a.tif", stored(image), imagej=True, resolution=resolution, metadata=metadata)
+        check(tmp_path / "a.tif", image, placed(), tolerance=1e-4)
+
+
 def test_tiff_of_imagej_with_channels_or_frames(tmp_path):
     image = stored(labels("uint8"))
     for axes, word in [("CYX", "Split Channels"), ("TYX", "set Slices to 23 and Frames to 1")]:
@@ -141,6 +164,38 @@ def test_tiff_of_ome(tmp_path, unit, factor):
     check(tmp_path / "a.ome.tif", image, placed())
     tifffile.imwrite(tmp_path / "b.ome.tif", np.stack([stored(image)] * 2), metadata={"axes": "CZYX"})
     assert "2 channels" in refused(tmp_path / "b.ome.tif")
+
+
+OME = (
+    '<?xml version="1.0"?><OME xmlns="http://www.openmicroscopy.org/Schemas/OME/2016-06" UUID="urn:uuid:a"><Image ID="Image:0">'
+    '<Pixels ID="Pixels:0" DimensionOrder="XYZCT" Type="uint8" SizeX="17" SizeY="19" SizeZ="23" SizeC="1" SizeT="1">'
+    '<Channel ID="Channel:0:0" SamplesPerPixel="1"/>{}</Pixels></Image></OME>'
+)
+
+
+@pytest.mark.parametrize("order", ["reversed", "shuffled", "two halves", "one block"])
+def test_tiff_of_ome_whose_pages_stand_in_another_order(tmp_path, order):
+    image = labels("uint8")
+    data, count = stored(image), len(stored(image))
+    slices = {
+        "reversed": np.arange(count)[::-1],
+        "shuffled": np.random.default_rng(4).permutation(count),
+        "two halves": np.roll(np.arange(count), 9),
+        "one block": np.arange(count),
+    }[order]
+    blocks = [f'<TiffData FirstZ="{z}" IFD="{page}"/>' for page, z in enumerate(slices)]
+    if order == "two halves":
+        blocks = [f'<TiffData FirstZ="{count - 9}" IFD="0" PlaneCount="9"/>', f'<TiffData IFD="9" PlaneCount="{count - 9}"/>']
+    if order == "one block":
+        blocks = ["<TiffData/>"]
+    path = tmp_path / "a.ome.tif"
+    tifffile.imwrite(path, data[slices], description=OME.format("".join(blocks)), metadata=None, photometric="minisblack")
+    if order != "one block":
+        np.testing.assert_array_equal(tifffile.imread(path), data)
+    check(path, image, placed(), *GIVEN)
+    elsewhere = blocks[0].replace("/>", '><UUID FileName="b.ome.tif">urn:uuid:b</UUID></TiffData>')
+    tifffile.imwrite(path, data[slices], description=OME.format("".join([elsewhere, *blocks[1:]])), metadata=None)
+    assert "2 files" in refused(path, *GIVEN)
 
 
 def test_tiff_with_a_file_of_nnunet(tmp_path):
@@ -427,6 +482,34 @@ def test_vti_by_vtk(tmp_path, mode, compressed, big, wide):
                 first = np.eye(4)
                 first[:3, 3] = 0.5 if cells else 0
                 check(tmp_path / "a.vti", image, turned @ first, tolerance=1e-4)
+
+
+@pytest.mark.parametrize("mode", ["Ascii", "Binary", "Appended"])
+def test_vti_with_other_arrays(tmp_path, mode):
+    """What is called the scalars is meant, of cells too; marks of what does not count are no voxels."""
+
+    def write(name, grid):
+        writer = vtkXMLImageDataWriter()
+        writer.SetFileName(str(tmp_path / name))
+        writer.SetInputData(grid)
+        getattr(writer, f"SetDataModeTo{mode}")()
+        assert writer.Write() == 1
+        return tmp_path / name
+
+    image = labels("uint8")
+    grid = vtk_image(image, cells=True)
+    grid.point_data["stray"] = np.ones(grid.n_points, "uint8")
+    grid.point_data.active_scalars_name = None
+    grid.cell_data.active_scalars_name = "labels"
+    middle = np.add([-3.0, 4.5, 1000.25], np.divide(SPACING, 2))
+    check(write("a.vti", grid), image, placed(middle), tolerance=1e-4)
+    marked = pyvista.ImageData(dimensions=image.shape, spacing=SPACING, origin=(-3.0, 4.5, 1000.25))
+    marked.point_data["vtkGhostType"] = np.zeros(image.size, "uint8")
+    marked.point_data["labels"] = image.ravel(order="F")
+    marked.point_data.active_scalars_name = None
+    check(write("b.vti", marked), image, placed([-3.0, 4.5, 1000.25]), tolerance=1e-4)
+    marked.save(tmp_path / "b.vtk", binary=False)
+    assert "vtkGhostType" in refused(tmp_path / "b.vtk")
 
 
 def test_vti_that_is_refused(tmp_path):

@@ -148,6 +148,33 @@ def test_gifti(tmp_path, shape, encoding, order):
     assert "POINTSET" in failed and ".surf.gii" in failed
 
 
+def test_gifti_of_columns_in_one_line(tmp_path, shape):
+    """nibabel writes a line a row, whatever the order; in one line the numbers have the order that the file says."""
+    arrays = [
+        nib.gifti.GiftiDataArray(values.astype(kind), intent, encoding="ASCII", ordering="F")
+        for values, kind, intent in [
+            (shape.vertices, "float32", "NIFTI_INTENT_POINTSET"),
+            (shape.faces, "int32", "NIFTI_INTENT_TRIANGLE"),
+        ]
+    ]
+    text = nib.gifti.GiftiImage(darrays=arrays).to_xml().decode()
+    for values in [shape.vertices.astype("float32"), shape.faces]:
+        first = text.index("<Data>") + len("<Data>")
+        columns = " ".join(map(str, values.flatten("F")))
+        text = text[: first - len("<Data>")] + "<data>" + columns + "</data>" + text[text.index("</Data>", first) + len("</Data>") :]
+    path = tmp_path / "a.surf.gii"
+    path.write_text(text.replace("<data>", "<Data>").replace("</data>", "</Data>"))
+    np.testing.assert_array_equal(nib.load(path).agg_data("triangle"), shape.faces)
+    check(path, shape)
+
+
+def test_wavefront_with_comments_behind_faces(tmp_path, shape):
+    text = trimesh.exchange.obj.export_obj(shape)
+    lines = [line + " # a face" if line.startswith("f ") else line for line in text.splitlines()]
+    (tmp_path / "a.obj").write_text("\n".join([*lines, ""]))
+    check(tmp_path / "a.obj", shape)
+
+
 def test_several_objects_in_one_file(tmp_path, shape):
     other = shape.copy()
     other.apply_translation([40, 0, 0])

@@ -58,14 +58,14 @@ pub(super) fn read_header(path: &Path) -> Result<ImageHeader, ReadError> {
     })
 }
 
-/// `Key = Value` lines up to ElementDataFile, which is the last.
+/// `Key = Value` lines, or `Key: Value`, as MetaIO reads them, up to ElementDataFile, which is the last.
 struct Keys(HashMap<String, String>);
 
 impl Keys {
     fn read(lines: &mut Lines) -> Result<Self, ReadError> {
         let mut keys = HashMap::new();
         for line in lines {
-            let Some((key, value)) = line.split_once('=') else {
+            let Some((key, value)) = line.split_once(['=', ':']) else {
                 return Err(error("a line without `=`; the file is not MetaImage, whatever its name"));
             };
             let last = key.trim() == "ElementDataFile";

@@ -8,7 +8,7 @@
 
 use super::header::{ByteOrder, Encoding, ImageHeader, VoxelData, Voxels, three_dimensions};
 use super::packed::Packed;
-use super::{Format, ReadError, nifti_labels};
+use super::{Format, PACKED, ReadError, nifti_labels};
 use crate::volume::{Affine, ScalarType};
 use std::io::Read;
 use std::path::{Path, PathBuf};
@@ -28,7 +28,7 @@ fn error(reason: impl Into<String>) -> ReadError {
     ReadError::Header { format: "NIfTI", reason: reason.into() }
 }
 
-/// Reads the header of a .nii, .nii.gz, .hdr or .img file.
+/// Reads the header of a .nii, .hdr or .img file, packed or not.
 pub(super) fn read_header(path: &Path) -> Result<ImageHeader, ReadError> {
     let (header_path, data_path) = parts(path);
     let file = Packed::open(&header_path)?;
@@ -69,24 +69,36 @@ pub(super) fn read_header(path: &Path) -> Result<ImageHeader, ReadError> {
     })
 }
 
-/// Header and image file of a path that may name either of a pair. The other one may differ in being
-/// compressed.
+/// Header and image file of a path that may name either of a pair. The other one may differ in being compressed, and in its
+/// letters' case.
 fn parts(path: &Path) -> (PathBuf, PathBuf) {
     let name = path.to_string_lossy();
-    let stem_end = if name.to_lowercase().ends_with(".gz") { name.len() - 3 } else { name.len() };
-    let (stem, gz) = name.split_at(stem_end);
+    let lower = name.to_ascii_lowercase();
+    let packed = PACKED.iter().find(|ending| lower.ends_with(*ending)).map_or(0, |ending| ending.len());
+    let (stem, packing) = name.split_at(name.len() - packed);
     let Some((base, ending)) = stem.rsplit_once('.') else { return (path.to_owned(), path.to_owned()) };
-    let other = |ending: &str| {
-        let candidates = [gz, "", ".gz"].map(|gz| PathBuf::from(format!("{base}.{ending}{gz}")));
+    let other = |of_other: &str| {
+        let endings = [in_case_of(of_other, ending), of_other.to_owned(), of_other.to_ascii_uppercase()];
+        let packings = || [packing, ""].into_iter().chain(PACKED);
+        let candidates: Vec<PathBuf> = endings
+            .iter()
+            .flat_map(|ending| packings().map(move |packing| format!("{base}.{ending}{packing}").into()))
+            .collect();
         candidates.iter().find(|p| p.exists()).unwrap_or(&candidates[0]).clone()
     };
-    match ending {
+    match ending.to_ascii_lowercase().as_str() {
         "hdr" => (path.to_owned(), other("img")),
-        "HDR" => (path.to_owned(), other("IMG")),
         "img" => (other("hdr"), path.to_owned()),
-        "IMG" => (other("HDR"), path.to_owned()),
         _ => (path.to_owned(), path.to_owned()),
     }
+}
+
+/// A word in lower case with capitals where another one has them.
+fn in_case_of(word: &str, other: &str) -> String {
+    let in_case = |(letter, of): (char, char)| {
+        if of.is_ascii_uppercase() { letter.to_ascii_uppercase() } else { letter }
+    };
+    word.chars().zip(other.chars()).map(in_case).collect()
 }
 
 fn header_bytes(file: &Packed) -> Result<Vec<u8>, ReadError> {

@@ -42,7 +42,7 @@ pub(super) fn read_header(path: &Path) -> Result<ImageHeader, ReadError> {
     let (axes, layers) = spatial_axes(&fields, &sizes, is_segmentation)?;
     let dimensions = three_dimensions(&axes.iter().map(|&a| sizes[a]).collect::<Vec<_>>())?;
     let Geometry { affine, stated_spacing } = geometry(&fields, &axes)?;
-    let unknown_unit = unit(&fields)?.err();
+    let unknown_unit = unit(&fields, &axes)?.err();
     let data = if let Some(series) = series(path, &fields, &mut lines, scalar)? {
         series.voxels(dimensions, scalar.bytes()).map_err(error)?
     } else {
@@ -188,7 +188,7 @@ struct Geometry {
 }
 
 fn geometry(fields: &Fields, axes: &[usize]) -> Result<Geometry, ReadError> {
-    let unit = unit(fields)?.unwrap_or(1.0);
+    let unit = unit(fields, axes)?.unwrap_or(1.0);
     if let Some(text) = fields.get(&["space directions"]) {
         let columns: Vec<Vec<f64>> = directions_of(text).into_iter().flatten().collect();
         let origin = fields.get(&["space origin"]).map_or_else(|| vec![0.0; 3], vector_of);
@@ -207,17 +207,38 @@ fn geometry(fields: &Fields, axes: &[usize]) -> Result<Geometry, ReadError> {
         numbers(text).ok_or_else(|| error(format!("`spacings: {text}` cannot be read")))?;
     match axes.iter().map(|&a| spacings.get(a).map(|s| s * unit)).collect::<Option<Vec<_>>>().as_deref() {
         Some(&[x, y, z, ..]) => {
-            Ok(Geometry { affine: Some(Affine::diagonal([x, y, z])), stated_spacing: Some([x, y, z]) })
+            let origin = first_voxel(fields, axes, [x, y, z], unit)?;
+            let affine = Affine { origin, ..Affine::diagonal([x, y, z]) };
+            Ok(Geometry { affine: Some(affine), stated_spacing: Some([x, y, z]) })
         }
         _ => Err(error("`spacings` has fewer values than there are axes")),
     }
 }
 
+/// Where the first voxel lies of an image without directions: at the least position along each axis, or, as ITK has it, half
+/// a voxel on, unless samples are said to be nodes. Zero where not all axes have one.
+fn first_voxel(fields: &Fields, axes: &[usize], spacing: [f64; 3], unit: f64) -> Result<[f64; 3], ReadError> {
+    let Some(text) = fields.get(&["axis mins", "axismins"]) else { return Ok([0.0; 3]) };
+    let least: Vec<f64> =
+        numbers(text).ok_or_else(|| error(format!("`axis mins: {text}` cannot be read")))?;
+    let least: [f64; 3] = std::array::from_fn(|a| {
+        axes.get(a).and_then(|&axis| least.get(axis)).map_or(f64::NAN, |least| least * unit)
+    });
+    if !least.iter().all(|least| least.is_finite()) {
+        return Ok([0.0; 3]);
+    }
+    let kinds: Vec<&str> =
+        fields.get(&["centers", "centerings"]).unwrap_or_default().split_whitespace().collect();
+    let is_node =
+        |a: usize| axes.get(a).and_then(|&axis| kinds.get(axis)).is_some_and(|kind| *kind == "node");
+    Ok(std::array::from_fn(|a| least[a] + if is_node(a) { 0.0 } else { spacing[a] / 2.0 }))
+}
+
 fn to_ras(affine: Affine, space: &str) -> Result<Affine, ReadError> {
     match space.to_lowercase().trim_end_matches("-time") {
-        "left-posterior-superior" | "lps" => Ok(affine.with_lps_swapped()),
-        "left-anterior-superior" | "las" | "3d-left-handed" => Ok(mirrored_x(affine)),
-        "right-anterior-superior" | "ras" | "scanner-xyz" | "3d-right-handed" | "" => Ok(affine),
+        "left-posterior-superior" | "lps" | "lpst" => Ok(affine.with_lps_swapped()),
+        "left-anterior-superior" | "las" | "last" | "3d-left-handed" => Ok(mirrored_x(affine)),
+        "right-anterior-superior" | "ras" | "rast" | "scanner-xyz" | "3d-right-handed" | "" => Ok(affine),
         other => Err(error(format!("space `{other}` is not three-dimensional"))),
     }
 }
@@ -228,19 +249,31 @@ fn mirrored_x(mut affine: Affine) -> Affine {
     affine
 }
 
-/// mm in the header's unit of length, or its name where it is not known; mm where none is named. All axes must have
+/// mm in the header's unit of length, or its name where it is not known; mm where none is named. All axes of space must have
 /// the same.
-fn unit(fields: &Fields) -> Result<Result<f64, String>, ReadError> {
-    let Some(text) = fields.get(&["space units", "units"]) else { return Ok(Ok(1.0)) };
-    // Names in quotes, one an axis; an axis that is no space has an empty one.
-    let mut names = text.split('"').map(str::trim).filter(|t| !t.is_empty());
-    let first = names.next().unwrap_or("mm");
-    if names.any(|name| name != first) {
+fn unit(fields: &Fields, axes: &[usize]) -> Result<Result<f64, String>, ReadError> {
+    const ALL: &[usize] = &[0, 1, 2];
+    // One for each direction of space, or one an axis: time has its own.
+    let (text, of_space) = match (fields.get(&["space units"]), fields.get(&["units"])) {
+        (Some(text), _) => (text, ALL),
+        (None, Some(text)) => (text, &axes[..axes.len().min(3)]),
+        (None, None) => return Ok(Ok(1.0)),
+    };
+    let names = quoted(text);
+    let mut names = of_space.iter().filter_map(|&axis| names.get(axis)).filter(|name| !name.is_empty());
+    let first = *names.next().unwrap_or(&"mm");
+    if names.any(|name| *name != first) {
         return Err(error(format!(
             "axes of different units ({text}); give the spacing in mm in a header without units"
         )));
     }
     Ok(mm_per(first).ok_or_else(|| first.to_owned()))
+}
+
+/// Names in quotes, some of which may be empty; without quotes the words.
+fn quoted(text: &str) -> Vec<&str> {
+    let names: Vec<&str> = text.split('"').skip(1).step_by(2).map(str::trim).collect();
+    if names.is_empty() { text.split_whitespace().collect() } else { names }
 }
 
 /// Where the voxels are: behind the header in the file itself, or in a data file.

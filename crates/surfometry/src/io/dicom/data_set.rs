@@ -4,7 +4,8 @@ use super::{error, lengths};
 use crate::io::ReadError;
 use crate::io::packed::open_file;
 use dicom_dictionary_std::tags;
-use dicom_object::{DefaultDicomObject, InMemDicomObject, OpenFileOptions, Tag};
+use dicom_dictionary_std::uids::DEFLATED_EXPLICIT_VR_LITTLE_ENDIAN;
+use dicom_object::{DefaultDicomObject, FileMetaTable, InMemDicomObject, OpenFileOptions, Tag};
 use std::io::{BufReader, Read};
 use std::path::Path;
 
@@ -12,7 +13,7 @@ use std::path::Path;
 const SEGMENTATIONS: [&str; 2] = ["1.2.840.10008.5.1.4.1.1.66.4", "1.2.840.10008.5.1.4.1.1.66.7"];
 
 /// Compressions of pixel data, by how their identifiers begin.
-const COMPRESSED: [(&str, &str); 8] = [
+const COMPRESSED: [(&str, &str); 7] = [
     ("1.2.840.10008.1.2.4.5", "JPEG"),
     ("1.2.840.10008.1.2.4.7", "JPEG lossless"),
     ("1.2.840.10008.1.2.4.8", "JPEG-LS"),
@@ -20,12 +21,14 @@ const COMPRESSED: [(&str, &str); 8] = [
     ("1.2.840.10008.1.2.4.10", "MPEG"),
     ("1.2.840.10008.1.2.4.20", "HTJ2K"),
     ("1.2.840.10008.1.2.5", "RLE"),
-    ("1.2.840.10008.1.2.1.99", "deflate"),
 ];
+
+/// Bytes in front of DICOM's mark.
+const PREAMBLE: usize = 128;
 
 /// Whether a file has DICOM's mark behind its preamble.
 pub(in crate::io) fn is_dicom(path: &Path) -> bool {
-    let mut start = [0; 132];
+    let mut start = [0; PREAMBLE + 4];
     open_file(path).is_ok_and(|(mut file, _)| file.read_exact(&mut start).is_ok()) && start.ends_with(b"DICM")
 }
 
@@ -48,9 +51,7 @@ impl DataSet {
     fn read(path: &Path, options: OpenFileOptions) -> Result<Self, ReadError> {
         lengths::check(path)?;
         let (file, _) = open_file(path)?;
-        let object = options
-            .from_reader(BufReader::new(file))
-            .map_err(|e| error(format!("{}; copy or export the file again", causes(&e))))?;
+        let object = options.from_reader(BufReader::new(file)).map_err(|e| unreadable(path, &e))?;
         Ok(Self { object })
     }
 
@@ -73,6 +74,15 @@ impl DataSet {
     /// The bytes of the pixels, little-endian; to be asked of a whole data set.
     pub(super) fn pixels(&self) -> Result<Vec<u8>, ReadError> {
         self.check_pixels_are_plain()?;
+        // Words of 16 bits are turned, and whether the two of a pixel are as well, writers do not agree on.
+        let is_big_endian =
+            self.object.meta().transfer_syntax().trim_end_matches(['\0', ' ']) == lengths::BIG_ENDIAN;
+        if is_big_endian && self.whole_number(tags::BITS_ALLOCATED) == Some(32) {
+            return Err(error(
+                "32 bits a pixel in big-endian order, which programs write in two ways, are not read; `dcmconv +te IN OUT` writes \
+                 a file in the usual order",
+            ));
+        }
         let element = self.object.get(tags::PIXEL_DATA).ok_or_else(|| error("no pixels (7FE0,0010)"))?;
         let bytes = element.to_bytes().map_err(|e| error(format!("the pixels cannot be read: {e}")))?;
         Ok(bytes.into_owned())
@@ -118,6 +128,24 @@ impl Elements for InMemDicomObject {
     fn elements(&self) -> &InMemDicomObject {
         self
     }
+}
+
+/// Of a file whose elements cannot be read: which are compressed, all but those that say so, or damaged.
+fn unreadable(path: &Path, cause: &dyn std::error::Error) -> ReadError {
+    if is_deflated(path) {
+        return error(format!(
+            "the whole file is compressed with deflate (transfer syntax {DEFLATED_EXPLICIT_VR_LITTLE_ENDIAN}), which is not read; \
+             `dcmconv +te IN OUT` of DCMTK unpacks it"
+        ));
+    }
+    error(format!("{}; copy or export the file again", causes(cause)))
+}
+
+fn is_deflated(path: &Path) -> bool {
+    let Ok((mut file, _)) = open_file(path) else { return false };
+    let skipped = file.read_exact(&mut [0; PREAMBLE]);
+    let meta = skipped.ok().and_then(|()| FileMetaTable::from_reader(BufReader::new(file)).ok());
+    meta.is_some_and(|meta| meta.transfer_syntax() == DEFLATED_EXPLICIT_VR_LITTLE_ENDIAN)
 }
 
 /// An error and what is behind it.

@@ -30,8 +30,16 @@ pub(super) struct Stack {
 pub(super) enum Gaps {
     /// None may be missing.
     None,
-    /// Empty ones are left out; the distance is that of the header, or of the nearest two.
-    Empty(Option<f64>),
+    /// Empty ones are left out.
+    Empty(Stated),
+}
+
+/// What a header says of the distance of slices, mm.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Stated {
+    pub(super) spacing: Option<f64>,
+    /// How thick a slice is, which may be less than the distance, or more.
+    pub(super) thickness: Option<f64>,
 }
 
 impl Stack {
@@ -86,8 +94,8 @@ impl Stack {
     }
 }
 
-/// How far slices are apart: what most are; where some are left out, what the header says, if they lie on its multiples, or
-/// what the nearest are.
+/// How far slices are apart: what most are; where some are left out, the spacing that the header says, if they lie on its
+/// multiples, or what the nearest are. Of one slice there is nothing but what the header says.
 fn step(places: &[f64], gaps: Gaps) -> f64 {
     let steps = places.windows(2).map(|pair| pair[1] - pair[0]);
     let mut steps: Vec<f64> = steps.filter(|step| *step > SAME_PLACE).collect();
@@ -98,7 +106,10 @@ fn step(places: &[f64], gaps: Gaps) -> f64 {
     };
     let known = match gaps {
         Gaps::None => steps.get(steps.len() / 2).copied(),
-        Gaps::Empty(stated) => stated.filter(fits).or(steps.first().copied()),
+        Gaps::Empty(Stated { spacing, thickness }) => {
+            let alone = || thickness.filter(|thickness| *thickness > SAME_PLACE);
+            spacing.filter(fits).or(steps.first().copied()).or_else(alone)
+        }
     };
     known.unwrap_or(1.0)
 }
@@ -130,5 +141,23 @@ fn check_straight(
             name(n)
         ))),
         None => Ok(()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn thickness_is_no_distance() {
+        let step =
+            |places: &[f64], spacing, thickness| step(places, Gaps::Empty(Stated { spacing, thickness }));
+        assert_eq!(step(&[0.0, 2.0, 4.0, 8.0], None, Some(1.0)), 2.0);
+        // Frames of empty slices may be left out.
+        assert_eq!(step(&[0.0, 4.0, 8.0], Some(2.0), Some(1.0)), 2.0);
+        assert_eq!(step(&[0.0, 4.0, 8.0], Some(3.0), Some(1.0)), 4.0);
+        assert_eq!(step(&[5.0, 5.0], None, Some(1.5)), 1.5);
+        assert_eq!(step(&[5.0, 5.0], Some(2.5), Some(1.5)), 2.5);
+        assert_eq!(step(&[5.0], None, None), 1.0);
     }
 }

@@ -19,18 +19,24 @@ const SEQUENCE_END: Tag = Tag(0xFFFE, 0xE0DD);
 const DEEPEST: usize = 64;
 /// The length of what goes on until it says that it ends.
 const UNDEFINED: u32 = u32::MAX;
-/// Explicit and implicit little-endian; others are explicit, and big-endian ones are out of use.
+/// Representations are left out; others say theirs.
 const IMPLICIT: &str = "1.2.840.10008.1.2";
-const BIG_ENDIAN: &str = "1.2.840.10008.1.2.2";
+/// Out of use, and read all the same.
+pub(super) const BIG_ENDIAN: &str = "1.2.840.10008.1.2.2";
+/// Not read.
 const DEFLATED: &str = "1.2.840.10008.1.2.1.99";
+/// How long the elements are that say how the others are written.
+const META_LENGTH: Tag = Tag(2, 0);
+const SYNTAX: Tag = Tag(2, 0x10);
 
 /// Refuses a file in which an element claims more bytes than follow.
 pub(super) fn check(path: &Path) -> Result<(), ReadError> {
     let failed = |e| ReadError::io(path, e);
     let (file, bytes) = open_file(path)?;
-    let mut walk = Walk { file: BufReader::new(file), at: 0, bytes, syntax: String::new(), open: Vec::new() };
+    let (file, syntax) = (BufReader::new(file), String::new());
+    let mut walk = Walk { file, at: 0, bytes, syntax, is_meta: true, open: Vec::new() };
     walk.skip(START).map_err(failed)?;
-    match walk.all_elements() {
+    match walk.whole_file() {
         // An element's head is cut off, and it claims nothing; the reader of elements says so.
         Err(e) if e.kind() == ErrorKind::UnexpectedEof => Ok(()),
         walked => walked.map_err(failed)?,
@@ -42,22 +48,35 @@ struct Walk {
     at: u64,
     bytes: u64,
     syntax: String,
+    /// Whether what is walked through says how the rest is written.
+    is_meta: bool,
     /// Where the sequences and items end that are being walked through.
     open: Vec<u64>,
 }
 
 impl Walk {
-    /// Element by element, into sequences and their items, to the end of the file or to what is not understood, which the
-    /// reader of elements has its own words for.
-    fn all_elements(&mut self) -> std::io::Result<Result<(), ReadError>> {
+    fn whole_file(&mut self) -> std::io::Result<Result<(), ReadError>> {
+        let Some(end) = self.end_of_meta()? else { return Ok(Ok(())) };
+        let meta = self.all_elements(end)?;
+        self.is_meta = false;
+        if meta.is_err() || self.syntax == DEFLATED { Ok(meta) } else { self.all_elements(self.bytes) }
+    }
+
+    /// Where the elements end that say how the others are written, whatever their group is, as the first one claims; `None`
+    /// where the reader of elements refuses that one.
+    fn end_of_meta(&mut self) -> std::io::Result<Option<u64>> {
+        let tag = self.tag()?;
+        let (length, _) = self.length(tag)?;
+        let is_known = tag == META_LENGTH && length == 4;
+        Ok(if is_known { Some(u64::from(self.four_bytes()?) + self.at) } else { None })
+    }
+
+    /// Element by element, into sequences and their items, to an end or to what is not understood, which the reader of elements
+    /// has its own words for.
+    fn all_elements(&mut self, end: u64) -> std::io::Result<Result<(), ReadError>> {
         let mut in_fragments = false;
-        while self.at + 8 <= self.bytes {
-            let group = u16::from_le_bytes(self.take()?);
-            let element = u16::from_le_bytes(self.take()?);
-            let tag = Tag(group, element);
-            if group != 2 && matches!(self.syntax.as_str(), BIG_ENDIAN | DEFLATED) {
-                return Ok(Ok(()));
-            }
+        while self.at < end && self.at + 8 <= self.bytes {
+            let tag = self.tag()?;
             let (length, is_sequence) = self.length(tag)?;
             // Compressed pixels are items that hold no elements.
             in_fragments |= tag == PIXEL_DATA && length == UNDEFINED;
@@ -75,7 +94,7 @@ impl Walk {
                     "element {tag} claims {length} bytes and {left} follow: the file is truncated or damaged; copy or export it again"
                 ))));
             }
-            if tag == Tag(2, 0x10) {
+            if self.is_meta && tag == SYNTAX {
                 let mut syntax = vec![0; length as usize];
                 self.file.read_exact(&mut syntax)?;
                 self.at += u64::from(length);
@@ -105,19 +124,37 @@ impl Walk {
     /// How long an element is, and whether others are in it.
     fn length(&mut self, tag: Tag) -> std::io::Result<(u32, bool)> {
         if tag.group() == 0xFFFE {
-            return Ok((u32::from_le_bytes(self.take()?), true));
+            return Ok((self.four_bytes()?, true));
         }
-        if tag.group() != 2 && self.syntax == IMPLICIT {
+        if !self.is_meta && self.syntax == IMPLICIT {
             let representation = StandardDataDictionary.by_tag(tag).map(|entry| entry.vr().relaxed());
-            return Ok((u32::from_le_bytes(self.take()?), representation == Some(VR::SQ)));
+            return Ok((self.four_bytes()?, representation == Some(VR::SQ)));
         }
         // As the reader of elements takes one that there is not.
         let representation = VR::from_binary(self.take()?).unwrap_or(VR::UN);
         if is_long(representation) {
             let _: [u8; 2] = self.take()?;
-            return Ok((u32::from_le_bytes(self.take()?), representation == VR::SQ));
+            return Ok((self.four_bytes()?, representation == VR::SQ));
         }
-        Ok((u16::from_le_bytes(self.take()?).into(), false))
+        Ok((self.two_bytes()?.into(), false))
+    }
+
+    fn tag(&mut self) -> std::io::Result<Tag> {
+        Ok(Tag(self.two_bytes()?, self.two_bytes()?))
+    }
+
+    fn two_bytes(&mut self) -> std::io::Result<u16> {
+        let bytes = self.take()?;
+        Ok(if self.is_big_endian() { u16::from_be_bytes(bytes) } else { u16::from_le_bytes(bytes) })
+    }
+
+    fn four_bytes(&mut self) -> std::io::Result<u32> {
+        let bytes = self.take()?;
+        Ok(if self.is_big_endian() { u32::from_be_bytes(bytes) } else { u32::from_le_bytes(bytes) })
+    }
+
+    fn is_big_endian(&self) -> bool {
+        !self.is_meta && self.syntax == BIG_ENDIAN
     }
 
     fn take<const N: usize>(&mut self) -> std::io::Result<[u8; N]> {

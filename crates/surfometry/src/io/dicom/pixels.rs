@@ -23,8 +23,9 @@ impl PixelLayout {
     /// Of a file with one number a pixel.
     ///
     /// # Errors
-    /// Colours, sizes that are missing or make no sense.
+    /// Colours, floats, sizes that are missing or make no sense.
     pub(super) fn of(data_set: &DataSet) -> Result<Self, ReadError> {
+        refuse_floats(data_set)?;
         let number = |tag, name: &str| {
             let value = data_set.whole_number(tag).and_then(|value| usize::try_from(value).ok());
             value.ok_or_else(|| {
@@ -108,5 +109,20 @@ impl PixelLayout {
 
     pub(super) fn truncated(&self, found: usize) -> ReadError {
         ReadError::Truncated { found: found as u64, expected: (self.frame_bytes() * self.frames) as u64 }
+    }
+}
+
+/// Refuses an image that has floats in the place of pixels, as parametric maps have.
+fn refuse_floats(data_set: &DataSet) -> Result<(), ReadError> {
+    let elements = [
+        (tags::FLOAT_PIXEL_DATA, "FloatPixelData (7FE0,0008)"),
+        (tags::DOUBLE_FLOAT_PIXEL_DATA, "DoubleFloatPixelData (7FE0,0009)"),
+    ];
+    match elements.into_iter().find(|(tag, _)| data_set.elements().get(*tag).is_some()) {
+        Some((_, name)) => Err(error(format!(
+            "an image of floats ({name}), as parametric maps are, which is not read as labels; save the labels as whole numbers or as a \
+             segmentation, or the image as NIfTI"
+        ))),
+        None => Ok(()),
     }
 }

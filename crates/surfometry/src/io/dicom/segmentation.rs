@@ -6,7 +6,7 @@ use super::colour::of_cielab;
 use super::data_set::{DataSet, Elements};
 use super::error;
 use super::frame::{FrameGroups, groups};
-use super::lattice::{Gaps, Stack};
+use super::lattice::{Gaps, Stack, Stated};
 use super::pixels::PixelLayout;
 use crate::io::assembled::{AssembleVoxels, Assembled, Pieces};
 use crate::io::combinations::Combinations;
@@ -42,7 +42,7 @@ pub(super) fn read_header(path: &Path) -> Result<ImageHeader, ReadError> {
         )));
     }
     let planes = groups.iter().map(FrameGroups::plane).collect::<Result<Vec<_>, _>>()?;
-    let stack = Stack::of(&planes, Gaps::Empty(stated_step(&groups[0])), |n| format!("frame {}", n + 1))?;
+    let stack = Stack::of(&planes, Gaps::Empty(stated(&groups[0])), |n| format!("frame {}", n + 1))?;
     let frames = frames(&groups, &stack, kind, &labels)?;
     if kind == Kind::Fractional && labels.iter().count() > 1 {
         return Err(error(
@@ -119,10 +119,10 @@ fn segments(data_set: &DataSet) -> Result<LabelTable, ReadError> {
     }
 }
 
-/// The distance of slices that the header states.
-fn stated_step(group: &FrameGroups) -> Option<f64> {
+/// What the header states of the distance of slices.
+fn stated(group: &FrameGroups) -> Stated {
     let of = |tag| group.numbers::<1>(tags::PIXEL_MEASURES_SEQUENCE, tag).map(|[mm]| mm);
-    of(tags::SPACING_BETWEEN_SLICES).or_else(|| of(tags::SLICE_THICKNESS))
+    Stated { spacing: of(tags::SPACING_BETWEEN_SLICES), thickness: of(tags::SLICE_THICKNESS) }
 }
 
 /// Whether the image that was segmented has more slices than have a frame: then an empty one lies around these.

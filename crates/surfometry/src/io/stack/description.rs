@@ -5,13 +5,19 @@ use crate::io::ReadError;
 use crate::io::packed::read_text;
 use crate::io::text_header::mm_per;
 use roxmltree::{Document, Node};
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
+
+/// More slices than an image may have.
+const MOST_SLICES: usize = 1 << 20;
 
 /// Dimensions and lengths, as far as they are told.
 #[derive(Debug, Default, PartialEq)]
 pub(super) struct Description {
     /// Slices along z.
     pub(super) slices: Option<usize>,
+    /// The page of each slice, counted from 0 on; none where they stand in their order.
+    pages: Vec<usize>,
     /// Spacing along x, y, z in the unit that is told, or mm.
     pub(super) spacing: Option<[f64; 3]>,
     /// A unit that is not known.
@@ -39,11 +45,33 @@ impl Description {
         Ok(self)
     }
 
-    fn with_lengths(self, lengths: Option<[f64; 3]>, unit: &str) -> Self {
-        match mm_per(unit) {
-            Some(mm) => Self { spacing: lengths.map(|lengths| lengths.map(|length| length * mm)), ..self },
-            None => Self { spacing: lengths, unknown_unit: Some(unit.to_owned()), ..self },
+    /// The pages that the file has, in the order of the slices.
+    ///
+    /// # Errors
+    /// A page that is told and that the file does not have, where there are as many as slices: other numbers of them are for
+    /// the caller to refuse.
+    pub(super) fn in_order(&self, found: Vec<usize>) -> Result<Vec<usize>, ReadError> {
+        if self.pages.len() != found.len() {
+            return Ok(found);
         }
+        match self.pages.iter().find(|page| found.binary_search(page).is_err()) {
+            Some(page) => Err(error(format!(
+                "TiffData (OME-XML) puts a slice on page {}, which the file does not have among its {}; export the image again",
+                page.saturating_add(1),
+                found.len()
+            ))),
+            None => Ok(self.pages.clone()),
+        }
+    }
+
+    /// Lengths along x, y, z in the unit of each.
+    fn with_lengths(self, lengths: Option<[f64; 3]>, units: [&str; 3]) -> Self {
+        if let Some(unknown) = units.into_iter().find(|unit| mm_per(unit).is_none()) {
+            return Self { spacing: lengths, unknown_unit: Some(unknown.to_owned()), ..self };
+        }
+        let mm = units.map(|unit| mm_per(unit).unwrap_or(1.0));
+        let spacing = lengths.map(|lengths| std::array::from_fn(|a| lengths[a] * mm[a]));
+        Self { spacing, ..self }
     }
 }
 
@@ -70,10 +98,12 @@ fn image_j(text: &str, resolution: [Option<f64>; 2]) -> Result<Description, Read
         _ => None,
     };
     let told = Description { slices: Some(images), contiguous: true, ..Description::default() };
-    match value("unit").filter(|unit| !unit.is_empty() && !unit.to_lowercase().starts_with("pixel")) {
-        Some(unit) => Ok(told.with_lengths(lengths, unit)),
-        None => Ok(told),
-    }
+    // y and z have those of x where none of their own stand there.
+    let unit = |key: &str| value(key).filter(|unit| !unit.is_empty());
+    let Some(along_x) = unit("unit") else { return Ok(told) };
+    let units = [along_x, unit("yunit").unwrap_or(along_x), unit("zunit").unwrap_or(along_x)];
+    let is_pixels = |unit: &&str| unit.to_lowercase().starts_with("pixel");
+    Ok(if units.iter().any(is_pixels) { told } else { told.with_lengths(lengths, units) })
 }
 
 fn ome(text: &str) -> Result<Description, ReadError> {
@@ -102,15 +132,75 @@ fn ome(text: &str) -> Result<Description, ReadError> {
         // The schema's default.
         Some((value, pixels.attribute(format!("PhysicalSize{axis}Unit").as_str()).unwrap_or("µm")))
     };
-    let told = Description { slices: size("SizeZ"), ..Description::default() };
+    let slices = size("SizeZ");
+    let pages = match slices {
+        Some(slices) if slices <= MOST_SLICES => pages_of_slices(&document, pixels, slices)?,
+        _ => Vec::new(),
+    };
+    let told = Description { slices, pages, ..Description::default() };
     let (Some((x, unit_x)), Some((y, unit_y)), Some((z, unit_z))) = (length("X"), length("Y"), length("Z"))
     else {
         return Ok(told);
     };
-    let Some(mm) = [unit_x, unit_y, unit_z].map(mm_per).into_iter().collect::<Option<Vec<f64>>>() else {
-        return Ok(told.with_lengths(Some([x, y, z]), unit_x));
+    Ok(told.with_lengths(Some([x, y, z]), [unit_x, unit_y, unit_z]))
+}
+
+/// The page of each slice, as OME-XML's TiffData say it; none where there are no such elements.
+fn pages_of_slices(document: &Document, pixels: Node, slices: usize) -> Result<Vec<usize>, ReadError> {
+    let blocks: Vec<Node> = pixels.children().filter(|node| node.tag_name().name() == "TiffData").collect();
+    refuse_several_files(document, &blocks)?;
+    let mut pages = BTreeMap::new();
+    for &block in &blocks {
+        let [slice, page, count] = block_of(block)?;
+        for n in 0..count.min(slices.saturating_sub(slice)) {
+            if pages.insert(slice + n, page.saturating_add(n)).is_some() {
+                return Err(error(format!(
+                    "TiffData (OME-XML) names two pages for slice {}; export the image again",
+                    slice + n + 1
+                )));
+            }
+        }
+    }
+    if blocks.is_empty() || pages.len() == slices {
+        return Ok(pages.into_values().collect());
+    }
+    Err(error(format!(
+        "TiffData (OME-XML) names pages for {} of {slices} slices; save the whole stack as one file again",
+        pages.len()
+    )))
+}
+
+/// Of a TiffData the first slice, its page, and how many follow each other from there on.
+fn block_of(block: Node) -> Result<[usize; 3], ReadError> {
+    let number = |key: &str| {
+        let Some(text) = block.attribute(key) else { return Ok(None) };
+        let number = text.trim().parse::<usize>();
+        number.map(Some).map_err(|_| {
+            error(format!("TiffData {key}=\"{text}\" (OME-XML), which is no number; export the image again"))
+        })
     };
-    Ok(told.with_lengths(Some([x * mm[0], y * mm[1], z * mm[2]]), "mm"))
+    let page = number("IFD")?;
+    // The schema's defaults: the page that is named, or else all. Its older versions call it NumPlanes.
+    let count = number("PlaneCount")?.or(number("NumPlanes")?).filter(|count| *count > 0);
+    let count = count.unwrap_or(if page.is_some() { 1 } else { usize::MAX });
+    Ok([number("FirstZ")?.unwrap_or(0), page.unwrap_or(0), count])
+}
+
+/// Refuses pages in other files than the one that says where they are: each file of a set has an identifier.
+fn refuse_several_files(document: &Document, blocks: &[Node]) -> Result<(), ReadError> {
+    let named = blocks.iter().flat_map(Node::children).filter(|node| node.tag_name().name() == "UUID");
+    let files: BTreeSet<&str> = named
+        .filter_map(|node| node.text())
+        .chain(document.root_element().attribute("UUID"))
+        .map(str::trim)
+        .collect();
+    if files.len() > 1 {
+        return Err(error(format!(
+            "an image in {} files (OME-XML): save the whole stack as one (in Fiji: open it, File > Save As > Tiff)",
+            files.len()
+        )));
+    }
+    Ok(())
 }
 
 /// Where nnU-Net says the spacing of an image.
@@ -160,6 +250,11 @@ mod tests {
         assert_eq!(spacing(&text("pixel"), [2.0, 4.0]), None);
         assert_eq!(spacing("ImageJ=1.54f\nimages=9\nspacing=2.5\n", [2.0, 4.0]), None);
         assert_eq!(spacing("ImageJ=1.54f\nimages=9\nunit=mm\n", [2.0, 4.0]), None);
+        // Each axis may have its own.
+        let own = format!("{}yunit=cm\nzunit=um\n", text("mm"));
+        let found = spacing(&own, [2.0, 4.0]).unwrap();
+        assert!(found.iter().zip([0.5, 2.5, 0.0025]).all(|(f, e)| (f - e).abs() < 1e-15), "{found:?}");
+        assert_eq!(spacing(&format!("{}zunit=pixel\n", text("mm")), [2.0, 4.0]), None);
         let cubit = Description::of(&text("cubit"), [Some(2.0), Some(4.0)]).unwrap();
         assert_eq!((cubit.unknown_unit.as_deref(), cubit.slices), (Some("cubit"), Some(9)));
         for axis in ["channels=3", "frames=9"] {
@@ -187,5 +282,34 @@ mod tests {
         let several =
             Description::of(&text(r#"SizeZ="6" SizeC="2" SizeT="3""#), [None; 2]).unwrap_err().to_string();
         assert!(several.contains("2 channels and 3 times"), "{several}");
+    }
+
+    #[test]
+    fn ome_says_which_page_a_slice_is_on() {
+        let told = |blocks: &str| {
+            let text =
+                format!(r#"<OME UUID="urn:uuid:a"><Image><Pixels SizeZ="4">{blocks}</Pixels></Image></OME>"#);
+            Description::of(&text, [None; 2]).map_err(|e| e.to_string())
+        };
+        let ordered = |blocks: &str| {
+            told(blocks).and_then(|told| told.in_order(vec![0, 1, 2, 3]).map_err(|e| e.to_string()))
+        };
+        for plain in ["", "<TiffData/>", r#"<TiffData IFD="0" PlaneCount="4"/>"#, r#"<TiffData FirstZ="0"/>"#]
+        {
+            assert_eq!(ordered(plain).unwrap(), [0, 1, 2, 3], "{plain}");
+        }
+        let swapped = r#"<TiffData FirstZ="2" IFD="0" PlaneCount="2"/><TiffData IFD="2" FirstZ="0" NumPlanes="2"><UUID>urn:uuid:a</UUID></TiffData>"#;
+        assert_eq!(ordered(swapped).unwrap(), [2, 3, 0, 1]);
+        // A file with fewer pages is refused for that.
+        assert_eq!(told(swapped).unwrap().in_order(vec![0, 1]).unwrap(), [0, 1]);
+        for (blocks, words) in [
+            (r#"<TiffData IFD="0"/>"#, "for 1 of 4 slices"),
+            (r#"<TiffData/><TiffData IFD="1" FirstZ="3"/>"#, "two pages for slice 4"),
+            (r#"<TiffData IFD="2" PlaneCount="4"/>"#, "page 5"),
+            (r#"<TiffData IFD="x"/>"#, "IFD"),
+            (r#"<TiffData><UUID FileName="b">urn:uuid:b</UUID></TiffData>"#, "2 files"),
+        ] {
+            assert!(ordered(blocks).unwrap_err().contains(words), "{blocks}");
+        }
     }
 }

@@ -33,6 +33,11 @@ impl Page {
         Some(Self { width: size[0], height: size[1], bits, scalar })
     }
 
+    /// Whether its numbers are whole and have no sign.
+    pub(super) fn is_unsigned(&self) -> bool {
+        matches!(self.scalar, ScalarType::U8 | ScalarType::U16 | ScalarType::U32 | ScalarType::U64)
+    }
+
     /// Bytes of its voxels.
     pub(super) fn bytes(&self) -> usize {
         self.width * self.height * self.scalar.bytes()

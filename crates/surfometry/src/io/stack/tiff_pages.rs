@@ -41,17 +41,12 @@ pub(in crate::io) fn read_header(path: &Path) -> Result<ImageHeader, ReadError> 
     let page = page_of(path, &mut decoder)?;
     let described = described(&mut decoder)?.or_beside(path)?;
     let start = first_pixel(path, &mut decoder)?;
-    let pages = pages(path, &mut decoder)?;
+    let pages = described.in_order(pages(path, &mut decoder)?)?;
     let slices = described.slices.unwrap_or(pages.len());
     let dimensions = three_dimensions(&[page.width, page.height, slices])?;
     let data = match (start, pages.len()) {
         (Some(start), 1) if described.contiguous && slices > 1 && page.bits >= 8 => {
-            let order = if decoder.byte_order() == StoredOrder::BigEndian {
-                ByteOrder::Big
-            } else {
-                ByteOrder::Little
-            };
-            Voxels::Stored(packed.data(start, Encoding::Raw, order)?)
+            Voxels::Stored(packed.data(start, Encoding::Raw, order(&decoder))?)
         }
         (_, found) if found != slices => {
             return Err(error(format!(
@@ -108,14 +103,27 @@ fn unreadable(e: &TiffError) -> ReadError {
     ))
 }
 
+fn order(decoder: &Pages) -> ByteOrder {
+    if decoder.byte_order() == StoredOrder::BigEndian { ByteOrder::Big } else { ByteOrder::Little }
+}
+
+/// A number that a tag of the page has, which stands for another one where it has none.
+fn number(decoder: &mut Pages, tag: Tag, absent: u16) -> Result<u16, ReadError> {
+    Ok(decoder.find_tag_unsigned(tag).map_err(|e| unreadable(&e))?.unwrap_or(absent))
+}
+
 /// Size and type of the page that the decoder is at.
 fn page_of(path: &Path, decoder: &mut Pages) -> Result<Page, ReadError> {
-    let compression =
-        decoder.find_tag_unsigned::<u16>(Tag::Compression).map_err(|e| unreadable(&e))?.unwrap_or(1);
+    let compression = number(decoder, Tag::Compression, 1)?;
     if !is_read(compression) {
         return Err(error(format!(
             "compression {compression} is not read; save the stack without, or with LZW, deflate, PackBits or Zstandard"
         )));
+    }
+    if number(decoder, Tag::FillOrder, 1)? == 2 {
+        return Err(error(
+            "bits that stand the other way round in their bytes (FillOrder 2), which is not read; `tiffcp -f msb2lsb IN OUT` turns them",
+        ));
     }
     let photometric =
         decoder.find_tag_unsigned::<u16>(Tag::PhotometricInterpretation).map_err(|e| unreadable(&e))?;
@@ -136,8 +144,33 @@ fn page_of(path: &Path, decoder: &mut Pages) -> Result<Page, ReadError> {
         3 => Number::Float,
         _ => Number::Unsigned,
     };
-    Page::of([width as usize, height as usize], bits, number)
-        .ok_or_else(|| ReadError::VoxelType(format!("TIFF, {bits} bits, {number:?}")))
+    let page = Page::of([width as usize, height as usize], bits, number)
+        .ok_or_else(|| ReadError::VoxelType(format!("TIFF, {bits} bits, {number:?}")))?;
+    if is_turned_for_good(decoder, page)? && !is_plain(decoder)? {
+        return Err(error(
+            "compressed floats, or numbers with a sign, of which 0 is shown as white (WhiteIsZero), are not read; save the stack without \
+             compression, or with 0 as black",
+        ));
+    }
+    Ok(page)
+}
+
+/// Whether what is shown as white is 0 of numbers that the decoder does not hand on as they are stored, nor so that they
+/// can be turned back: floats it takes from 1, which rounds, those with a sign it refuses.
+fn is_turned_for_good(decoder: &mut Pages, page: Page) -> Result<bool, ReadError> {
+    Ok(!page.is_unsigned() && is_white_zero(decoder)?)
+}
+
+fn is_white_zero(decoder: &mut Pages) -> Result<bool, ReadError> {
+    let black = PhotometricInterpretation::BlackIsZero.to_u16();
+    let meaning = number(decoder, Tag::PhotometricInterpretation, black)?;
+    Ok(meaning == PhotometricInterpretation::WhiteIsZero.to_u16())
+}
+
+/// Whether pixels stand in the file as they are, row by row.
+fn is_plain(decoder: &mut Pages) -> Result<bool, ReadError> {
+    let plain = number(decoder, Tag::Compression, 1)? == 1 && number(decoder, Tag::Predictor, 1)? == 1;
+    Ok(plain && decoder.find_tag(Tag::TileOffsets).map_err(|e| unreadable(&e))?.is_none())
 }
 
 fn is_read(compression: u16) -> bool {
@@ -193,6 +226,10 @@ fn pages(path: &Path, decoder: &mut Pages) -> Result<Vec<usize>, ReadError> {
 fn pixels(path: &Path, decoder: &mut Pages, page: Page) -> Result<Vec<u8>, ReadError> {
     let damaged = |e: TiffError| ReadError::damaged(path, &e);
     check_stored(path, decoder, page)?;
+    if is_turned_for_good(decoder, page)? {
+        let voxels = order(decoder).to_little(strips(path, decoder, page)?, page.scalar.bytes());
+        return whole(path, page, voxels);
+    }
     let mut stored = match decoder.read_image().map_err(damaged)? {
         DecodingResult::U8(v) => v,
         DecodingResult::I8(v) => v.into_iter().map(i8::cast_unsigned).collect(),
@@ -207,18 +244,34 @@ fn pixels(path: &Path, decoder: &mut Pages, page: Page) -> Result<Vec<u8>, ReadE
         DecodingResult::F16(_) => return Err(ReadError::VoxelType("TIFF, 16 bits, Float".into())),
     };
     // Labels are the numbers that are stored, whichever of them is shown as white; the decoder turns them round.
-    let white_is_zero = PhotometricInterpretation::WhiteIsZero.to_u16();
-    if decoder.find_tag_unsigned::<u16>(Tag::PhotometricInterpretation).map_err(damaged)?
-        == Some(white_is_zero)
-    {
+    if is_white_zero(decoder)? {
         stored = stored.into_iter().map(|byte| !byte).collect();
     }
-    let voxels = page.unpacked(stored);
+    whole(path, page, page.unpacked(stored))
+}
+
+/// All voxels of a page.
+fn whole(path: &Path, page: Page, voxels: Vec<u8>) -> Result<Vec<u8>, ReadError> {
     if voxels.len() == page.bytes() {
         Ok(voxels)
     } else {
         Err(ReadError::damaged(path, &"a page without all its pixels"))
     }
+}
+
+/// The bytes of a page that is not compressed, as they are stored.
+fn strips(path: &Path, decoder: &mut Pages, page: Page) -> Result<Vec<u8>, ReadError> {
+    let [offsets, sizes] = [Tag::StripOffsets, Tag::StripByteCounts].map(|tag| {
+        let list = decoder.find_tag_unsigned_vec::<u64>(tag);
+        list.map(Option::unwrap_or_default).map_err(|e| ReadError::damaged(path, &e))
+    });
+    let (file, mut stored) = (decoder.inner(), Vec::new());
+    for (offset, size) in offsets?.into_iter().zip(sizes?) {
+        let left = (page.bytes() - stored.len()) as u64;
+        file.seek(SeekFrom::Start(offset)).map_err(|e| ReadError::io(path, e))?;
+        file.take(size.min(left)).read_to_end(&mut stored).map_err(|e| ReadError::io(path, e))?;
+    }
+    Ok(stored)
 }
 
 /// Whether what is stored of a page can be its pixels, and, of deflated ones, has their checksums: the decoder stops

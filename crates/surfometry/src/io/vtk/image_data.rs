@@ -5,7 +5,7 @@
 
 use super::data_array::{DataArray, Form, SharedArray};
 use super::outline::Outline;
-use super::{lattice, scalar_of_xml};
+use super::{GHOSTS, lattice, scalar_of_xml};
 use crate::io::assembled::Assembled;
 use crate::io::header::{ByteOrder, ImageHeader, Voxels, three_dimensions};
 use crate::io::text_header::numbers;
@@ -109,24 +109,34 @@ fn affine(
     Ok(Affine { origin: turned.apply(index), ..turned })
 }
 
-/// The array that is meant: that of the points or cells which is called their scalars, or else their first.
+/// The array that is meant, and whether it is one of cells: that which is called the scalars of the points or, where these
+/// have none, of the cells; else the first one of either.
 fn array<'a>(piece: Node<'a, 'a>) -> Result<(Node<'a, 'a>, bool), ReadError> {
-    for (kind, cells) in [("PointData", false), ("CellData", true)] {
-        let Some(data) = child(piece, kind) else { continue };
-        let arrays = || data.children().filter(|node| node.has_tag_name("DataArray"));
-        let named = data
-            .attribute("Scalars")
-            .and_then(|name| arrays().find(|array| array.attribute("Name") == Some(name)));
-        let Some(array) = named.or_else(|| arrays().next()) else { continue };
-        let components = array.attribute("NumberOfComponents").unwrap_or("1");
-        if components != "1" {
-            return Err(error(format!(
-                "{components} components a voxel; save the label image alone, with one"
-            )));
-        }
-        return Ok((array, cells));
+    let data = |(kind, cells): (&str, bool)| Some((child(piece, kind)?, cells));
+    let kinds: Vec<(Node, bool)> =
+        [("PointData", false), ("CellData", true)].into_iter().filter_map(data).collect();
+    let scalars = kinds.iter().find_map(|&(data, cells)| {
+        let name = data.attribute("Scalars")?;
+        Some((arrays(data).find(|array| array.attribute("Name") == Some(name))?, cells))
+    });
+    let first = || kinds.iter().find_map(|&(data, cells)| Some((arrays(data).find(is_of_voxels)?, cells)));
+    let (array, cells) = scalars
+        .or_else(first)
+        .ok_or_else(|| error("no DataArray of points or cells; the file holds no voxels"))?;
+    let components = array.attribute("NumberOfComponents").unwrap_or("1");
+    if components != "1" {
+        return Err(error(format!("{components} components a voxel; save the label image alone, with one")));
     }
-    Err(error("no DataArray of points or cells; the file holds no voxels"))
+    Ok((array, cells))
+}
+
+fn arrays<'a>(data: Node<'a, 'a>) -> impl Iterator<Item = Node<'a, 'a>> {
+    data.children().filter(|node| node.has_tag_name("DataArray"))
+}
+
+/// Not one that says which points or cells count.
+fn is_of_voxels(array: &Node) -> bool {
+    array.attribute("Name") != Some(GHOSTS)
 }
 
 /// How an array is stored, from which byte of the file on, and in how many.

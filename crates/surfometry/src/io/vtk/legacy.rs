@@ -3,7 +3,7 @@
 //! # References
 //! <https://docs.vtk.org/en/latest/vtk_file_formats/vtk_legacy_file_format.html>.
 
-use super::lattice;
+use super::{GHOSTS, lattice};
 use crate::io::assembled::{AssembleVoxels, Assembled, Pieces};
 use crate::io::header::{ByteOrder, Encoding, ImageHeader, Voxels, three_dimensions};
 use crate::io::packed::PackedStretch;
@@ -150,6 +150,10 @@ fn field(lines: &mut Lines) -> Result<(ScalarType, usize), ReadError> {
     let line = lines.next().unwrap_or_default();
     let words: Vec<&str> = line.split_whitespace().collect();
     match words[..] {
+        [GHOSTS, ..] => Err(error(format!(
+            "an array {GHOSTS}, which marks what does not count, stands in front of the voxels; save the image as .vti, or with its \
+             labels as the active scalars"
+        ))),
         [_, components, _, kind] => {
             let components =
                 components.parse().map_err(|_| error(format!("`{line}` is no array of a field")))?;

@@ -11,6 +11,9 @@ pub(super) use legacy::read_header as read_legacy;
 
 use crate::volume::ScalarType;
 
+/// The array of marks at points or cells that do not count, which VTK may write in front of others.
+const GHOSTS: &str = "vtkGhostType";
+
 /// The type that arrays in XML call so.
 pub(super) fn scalar_of_xml(name: &str) -> Option<ScalarType> {
     Some(match name {

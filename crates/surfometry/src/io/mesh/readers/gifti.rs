@@ -42,8 +42,10 @@ fn values(array: Node<'_, '_>, file: usize) -> Outcome<Vec<f64>> {
     let text = child_text(array, "Data");
     let mut bytes = Vec::new();
     match attribute("Encoding") {
-        // A text has a line a row, whatever the order of bytes would be.
-        "ASCII" => return text_numbers(&text),
+        "ASCII" => {
+            let values = text_numbers(&text)?;
+            return Ok(if has_rows(&text) { values } else { rows(values, attribute("ArrayIndexingOrder")) });
+        }
         "Base64Binary" => bytes = from_base64(text.as_bytes())?,
         // Named after gzip, the encoding is zlib's format.
         "GZipBase64Binary" => inflated(&from_base64(text.as_bytes())?, &mut bytes, file)?,
@@ -66,6 +68,12 @@ fn values(array: Node<'_, '_>, file: usize) -> Outcome<Vec<f64>> {
         return Err(format!("an array has {} numbers where its dimensions say {stated}", values.len()));
     }
     Ok(rows(values, attribute("ArrayIndexingOrder")))
+}
+
+/// Whether a text has a line a row: nibabel writes it so, and reads it, whatever it says of the order.
+fn has_rows(text: &str) -> bool {
+    let mut lines = text.lines().filter(|line| !line.trim().is_empty());
+    lines.all(|line| line.split_whitespace().count() == 3)
 }
 
 /// Threes of numbers one behind the other, which may be stored as three columns.

@@ -26,16 +26,18 @@ pub(super) fn read(bytes: &[u8]) -> Outcome<Surface> {
 /// Reads a line; whether it is one of the format's.
 fn read_line(mut words: Words<'_>, surface: &mut Surface) -> Outcome<bool> {
     let line = words.rest();
+    let is_said = |word: &&[u8]| !word.starts_with(b"#");
     match words.next() {
         Some(b"v") => surface.vertices.push(words.place()?),
         Some(b"f" | b"fo") => {
             let count = surface.vertices.len();
             let corner = |word| corner_of(word, count).or_else(|error| words.refuse(error));
-            let corners: Vec<u32> = words.clone().map(corner).collect::<Outcome<_>>()?;
+            let corners: Vec<u32> = words.clone().take_while(is_said).map(corner).collect::<Outcome<_>>()?;
             surface.polygon(&corners);
         }
         Some(b"mtllib") => {
-            surface.beside.extend(words.map(|name| String::from_utf8_lossy(name).into_owned()));
+            let names = words.take_while(is_said);
+            surface.beside.extend(names.map(|name| String::from_utf8_lossy(name).into_owned()));
         }
         Some(word @ (b"curv" | b"curv2" | b"surf" | b"bzp" | b"bsp" | b"cdc" | b"cdp" | b"res")) => {
             let word = shown(word);
