@@ -295,6 +295,57 @@ fn files_of_folders_are_not_replaced() {
     }
 }
 
+/// All files in the folder of a Zarr are its own: an output is none of them, nor a new one, which would be taken for metadata or a
+/// chunk; also of the image around an array that is named.
+#[test]
+fn nothing_is_written_into_a_zarr() {
+    let desk = Desk::new();
+    let zarr = desk.path("a.zarr");
+    std::fs::create_dir_all(zarr.join("0")).unwrap();
+    let array = r#"{"zarr_format": 2, "shape": [20, 20, 20], "chunks": [20, 20, 20], "dtype": "|u1", "compressor": null, "filters": null, "fill_value": 0, "order": "C"}"#;
+    let axis = |name: &str| format!(r#"{{"name": "{name}", "type": "space", "unit": "millimeter"}}"#);
+    let image = format!(
+        r#"{{"multiscales": [{{"version": "0.4", "axes": [{}], "datasets": [{{"path": "0", "coordinateTransformations": [{{"type": "scale", "scale": [1, 1, 1]}}]}}]}}]}}"#,
+        ["z", "y", "x"].map(axis).join(", ")
+    );
+    let inside = |i: usize| [i % 20, i / 20 % 20, i / 400].iter().all(|n| (4..16).contains(n));
+    let voxels: Vec<u8> = (0..8000).map(|i| u8::from(inside(i))).collect();
+    std::fs::write(zarr.join(".zgroup"), r#"{"zarr_format": 2}"#).unwrap();
+    std::fs::write(zarr.join(".zattrs"), &image).unwrap();
+    std::fs::write(zarr.join("0/.zarray"), array).unwrap();
+    std::fs::write(zarr.join("0/0.0.0"), &voxels).unwrap();
+    for input in ["a.zarr", "a.zarr/0"] {
+        assert_eq!(desk.run(&["measure", input, "--format", "csv"]).status.code(), Some(0));
+        let old = ["a.zarr/.zattrs", "a.zarr/0/0.0.0"].map(|output| (output, "would replace the input"));
+        let new = ["a.zarr/zarr.json", "a.zarr/0/zarr.json", "a.zarr/0/0.0.1", "a.zarr/results.csv"]
+            .map(|output| (output, "would lie in the Zarr"));
+        for (output, words) in old.into_iter().chain(new) {
+            let refused = desk.run(&["measure", input, "--format", "csv", "-o", output]);
+            assert_eq!(refused.status.code(), Some(2), "{input} {output}: {}", text(&refused.stderr));
+            assert!(text(&refused.stderr).contains(words), "{output}: {}", text(&refused.stderr));
+        }
+        let refused = desk.run(&["map", input, "-o", "a.zarr/zarr.json"]);
+        assert_eq!(refused.status.code(), Some(2), "{}", text(&refused.stderr));
+    }
+    assert_eq!(std::fs::read_dir(&zarr).unwrap().count(), 3);
+    assert_eq!(std::fs::read_dir(zarr.join("0")).unwrap().count(), 2);
+    assert_eq!(std::fs::read_to_string(zarr.join(".zattrs")).unwrap(), image);
+}
+
+/// What no file can be called is told of before anything is measured.
+#[test]
+fn an_output_is_called_as_a_file_is() {
+    let desk = Desk::new();
+    for more in [vec![], vec!["--resume"]] {
+        for output in ["x.csv/", "x.csv/."] {
+            let refused = desk.run(&[vec!["measure", BALL, "-o", output], more.clone()].concat());
+            assert_eq!(refused.status.code(), Some(2), "{output}: {}", text(&refused.stderr));
+            assert!(text(&refused.stderr).contains("as a folder's does"), "{}", text(&refused.stderr));
+        }
+    }
+    assert_eq!(std::fs::read_dir(desk.0.path()).unwrap().count(), 0);
+}
+
 /// What came of a command within some seconds: one that waits for who never comes is ended.
 #[cfg(target_os = "linux")]
 fn at_once(desk: &Desk, line: &str) -> (Option<i32>, String) {

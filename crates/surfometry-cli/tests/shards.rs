@@ -122,7 +122,7 @@ fn shards_that_do_not_belong_together() {
         assert!(!folder.join("merged.csv").exists() && !folder.join("merged.csv.partial").exists());
     };
     let with = |last: String| vec![names[0].clone(), names[1].clone(), last];
-    refused(&names[..2], &["1 are missing", "3/3"]);
+    refused(&names[..2], &["of 3 shards 1 is missing", "3/3"]);
     refused(&[names.clone(), vec![names[1].clone()]].concat(), &["both shard 2/3", "shard-2.jsonl"]);
     refused(&with(other(3, &inputs, &["--sigma", "1.5"])), &["different runs", "sigma", "1.5"]);
     refused(&with(other(3, &inputs, &["--label", "1"])), &["different runs", "label"]);
@@ -216,6 +216,125 @@ fn a_resume_looks_at_all_its_files() {
     assert!(run_in(folder, &["phantom", "ball?radius=4", "-o", "zones.nii.gz"]).status.success());
     let refused = resumed();
     assert_eq!(refused.status.code(), Some(2));
+    assert!(text(&refused.stderr).contains("the file of regions"), "{}", text(&refused.stderr));
+}
+
+/// Voxels along each axis of the image below.
+const SIDE: usize = 20;
+
+/// A ball about the middle of a cube, in voxels.
+fn ball_voxels(radius: f64, label: u8) -> Vec<u8> {
+    let from_middle = |index: usize| index as f64 - SIDE as f64 / 2.0;
+    let squared = |i: usize| {
+        let index = [i % SIDE, i / SIDE % SIDE, i / SIDE / SIDE];
+        index.into_iter().map(|index| from_middle(index).powi(2)).sum::<f64>()
+    };
+    (0..SIDE.pow(3)).map(|i| if squared(i) <= radius * radius { label } else { 0 }).collect()
+}
+
+/// A header of such voxels, which are in `voxels` beside it.
+fn header(spacing: &str, voxels: &str) -> String {
+    let size = format!("{SIDE} {SIDE} {SIDE}");
+    format!(
+        "NDims = 3\nDimSize = {size}\nElementSpacing = {spacing}\nElementType = MET_UCHAR\nElementDataFile = {voxels}\n"
+    )
+}
+
+/// The table of an input by a run that goes on, which has to be that of a run in one go.
+fn resumed_table(folder: &Path, input: &str, table: &str) -> String {
+    let inputs = [input.to_owned()];
+    for more in [["--resume", "-o", table].as_slice(), &["-o", "fresh.csv"]] {
+        let run = run_in(folder, &measure(&inputs, more));
+        assert!(run.status.success(), "{}", text(&run.stderr));
+    }
+    let resumed = timeless(folder, table);
+    assert_eq!(resumed, timeless(folder, "fresh.csv"), "{input}");
+    resumed
+}
+
+/// The SHA-256 of a table's first input.
+fn hash_in(folder: &Path, table: &str) -> String {
+    let mut reader = csv::Reader::from_path(folder.join(table)).unwrap();
+    let column = reader.headers().unwrap().iter().position(|name| name == "input_sha256").unwrap();
+    reader.records().next().unwrap().unwrap()[column].to_owned()
+}
+
+/// Names of masks are those of their files, and headers have the spacing.
+#[test]
+fn a_resume_looks_at_names_and_headers_of_masks() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    fs::create_dir(folder.join("masks")).unwrap();
+    for (name, radius) in [("liver", 6.0), ("spleen", 5.0)] {
+        fs::write(folder.join(format!("masks/{name}.raw")), ball_voxels(radius, 1)).unwrap();
+        let text = header("1 1 1.2", &format!("{name}.raw"));
+        fs::write(folder.join(format!("masks/{name}.mhd")), text).unwrap();
+    }
+    let table = || resumed_table(folder, "masks", "r.csv");
+    let (first, hash) = (table(), hash_in(folder, "r.csv"));
+    for name in ["liver", "spleen"] {
+        let text = header("1 1 1.4", &format!("{name}.raw"));
+        fs::write(folder.join(format!("masks/{name}.mhd")), text).unwrap();
+    }
+    let thicker = table();
+    assert_ne!(thicker, first);
+    assert_ne!(hash_in(folder, "r.csv"), hash);
+    fs::rename(folder.join("masks/liver.mhd"), folder.join("masks/left_liver.mhd")).unwrap();
+    let renamed = table();
+    assert!(renamed != thicker && renamed.contains("left_liver"), "{renamed}");
+}
+
+/// A Zarr is more than the array's metadata: its chunks, and the image around it, which says where voxels lie.
+#[test]
+fn a_resume_looks_at_all_of_a_zarr() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    fs::create_dir_all(folder.join("a.zarr/0")).unwrap();
+    fs::write(folder.join("a.zarr/.zgroup"), r#"{"zarr_format": 2}"#).unwrap();
+    let array = format!(
+        r#"{{"zarr_format": 2, "shape": [{SIDE}, {SIDE}, {SIDE}], "chunks": [{SIDE}, {SIDE}, {SIDE}], "dtype": "|u1", "compressor": null, "filters": null, "fill_value": 0, "order": "C"}}"#
+    );
+    fs::write(folder.join("a.zarr/0/.zarray"), array).unwrap();
+    let place = |scale: &str| {
+        let axis = |name: &str| format!(r#"{{"name": "{name}", "type": "space", "unit": "millimeter"}}"#);
+        let axes = ["z", "y", "x"].map(axis).join(", ");
+        let text = format!(
+            r#"{{"multiscales": [{{"version": "0.4", "axes": [{axes}], "datasets": [{{"path": "0", "coordinateTransformations": [{{"type": "scale", "scale": [{scale}]}}]}}]}}]}}"#
+        );
+        fs::write(folder.join("a.zarr/.zattrs"), text).unwrap();
+    };
+    let put = |radius: f64| fs::write(folder.join("a.zarr/0/0.0.0"), ball_voxels(radius, 1)).unwrap();
+    for (input, results) in [("a.zarr", "image.csv"), ("a.zarr/0", "array.csv")] {
+        place("1.2, 1, 1");
+        put(6.0);
+        let table = || resumed_table(folder, input, results);
+        let (first, hash) = (table(), hash_in(folder, results));
+        put(5.0);
+        let smaller = table();
+        assert_ne!(smaller, first);
+        assert_ne!(hash_in(folder, results), hash);
+        place("1.4, 1, 1");
+        assert_ne!(table(), smaller);
+    }
+}
+
+/// The voxels of regions may lie beside the file that is named.
+#[test]
+fn a_resume_looks_at_the_voxels_of_regions() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    fs::write(folder.join("a.raw"), ball_voxels(6.0, 1)).unwrap();
+    fs::write(folder.join("a.mhd"), header("1 1 1.2", "a.raw")).unwrap();
+    fs::write(folder.join("zones.mhd"), header("1 1 1.2", "zones.raw")).unwrap();
+    let inputs = ["a.mhd".to_owned()];
+    let resumed = |region: u8| {
+        fs::write(folder.join("zones.raw"), ball_voxels(9.0, region)).unwrap();
+        run_in(folder, &measure(&inputs, &["--resume", "--regions", "zones.mhd", "-o", "r.json"]))
+    };
+    let first = resumed(1);
+    assert!(first.status.success(), "{}", text(&first.stderr));
+    let refused = resumed(2);
+    assert_eq!(refused.status.code(), Some(2), "{}", text(&refused.stderr));
     assert!(text(&refused.stderr).contains("the file of regions"), "{}", text(&refused.stderr));
 }
 

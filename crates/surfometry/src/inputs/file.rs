@@ -51,8 +51,12 @@ impl Source for FileSource {
 
     fn files(&self) -> Vec<PathBuf> {
         let data = self.header.data.files();
+        // A folder is what is in it, of a Zarr perhaps a million files.
+        if self.path.is_dir() && self.header.path.is_dir() {
+            return data;
+        }
         let named = [self.path.clone(), self.header.path.clone()].into_iter().chain(data);
-        // The same file under another name counts once; a folder is what is in it.
+        // The same file under another name counts once.
         let mut known = HashSet::new();
         named.filter(|file| !file.is_dir() && known.insert(file.canonicalize().ok())).collect()
     }

@@ -15,7 +15,6 @@ mod slabs;
 
 pub use error::InputError;
 pub use named::named;
-pub(crate) use names::known_stem;
 pub use names::{distinct_parts, grey_image_warning, input_title, shown_name, with_parts};
 pub use preparation::{Changes, Preparation, Preparations, PreparedObject, Threshold, ThresholdError};
 pub use prepared::prepared;

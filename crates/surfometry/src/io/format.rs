@@ -191,7 +191,7 @@ impl Format {
 }
 
 /// A name without the version that VMS puts behind it: `MASK.AIM;1`.
-pub(crate) fn without_version(name: &str) -> &str {
+pub(super) fn without_version(name: &str) -> &str {
     match name.rsplit_once(';') {
         Some((stem, version)) if version.bytes().all(|b| b.is_ascii_digit()) => stem,
         _ => name,

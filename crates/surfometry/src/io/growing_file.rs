@@ -1,5 +1,6 @@
 //! Files that grow while a run goes on, and take their name when it has ended.
 
+use super::whole_file::check_name;
 use std::ffi::OsString;
 use std::fs::{self, File, TryLockError};
 use std::io::{self, Read, Seek, SeekFrom, Write};
@@ -21,8 +22,9 @@ impl GrowingFile {
     /// stays as it is until this one is finished.
     ///
     /// # Errors
-    /// Whatever the file system says; a target that is a folder, or cannot be written.
+    /// Whatever the file system says; a target that is a folder or written as one, lies in a Zarr, or cannot be written.
     pub fn create(path: &Path) -> io::Result<Self> {
+        check_name(path)?;
         let growing = Self::open(path)?;
         growing.file.set_len(0)?;
         Ok(growing)
@@ -33,6 +35,7 @@ impl GrowingFile {
     /// # Errors
     /// As of [`GrowingFile::create`]; bytes that are no text.
     pub fn reopen_lines(path: &Path) -> io::Result<(Self, String)> {
+        check_name(path)?;
         let mut growing = Self::open(path)?;
         let mut bytes = Vec::new();
         growing.file.read_to_end(&mut bytes)?;
@@ -73,13 +76,24 @@ impl GrowingFile {
             let error = format!("{} is no file: remove it", partial.display());
             return Err(io::Error::new(io::ErrorKind::AlreadyExists, error));
         }
-        let file = File::options().read(true).write(true).create(true).truncate(false).open(&partial)?;
-        // An unfinished one of a run that was killed is written over, but not one that another run is at.
-        if let Err(TryLockError::WouldBlock) = file.try_lock() {
-            let error = format!("another run is writing it ({})", partial.display());
-            return Err(io::Error::new(io::ErrorKind::ResourceBusy, error));
-        }
+        let file = Self::locked(&partial)?;
         Ok(Self { file, end: Vec::new(), partial, target })
+    }
+
+    /// An unfinished one of a run that was killed is written over, but not one that another run is at.
+    fn locked(partial: &Path) -> io::Result<File> {
+        loop {
+            let file = File::options().read(true).write(true).create(true).truncate(false).open(partial)?;
+            if let Err(TryLockError::WouldBlock) = file.try_lock() {
+                let error = format!("another run is writing it ({})", partial.display());
+                return Err(io::Error::new(io::ErrorKind::ResourceBusy, error));
+            }
+            // A run that ended meanwhile has given this very file its name: those are its results.
+            let opened = same_file::Handle::from_file(file.try_clone()?)?;
+            if same_file::Handle::from_path(partial).is_ok_and(|there| there == opened) {
+                return Ok(file);
+            }
+        }
     }
 
     /// Gives the file its name.
@@ -278,6 +292,25 @@ mod tests {
         let refused = GrowingFile::create(&folder.path().join("results.json")).unwrap_err();
         assert_eq!(refused.kind(), io::ErrorKind::AlreadyExists);
         assert_eq!(fs::read(&victim).unwrap(), b"kept");
+    }
+
+    /// A run that begins while another one ends does not write over what that one has finished.
+    #[test]
+    fn results_of_runs_at_once_stay_whole() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("results.json");
+        let run = || {
+            for _ in 0..2000 {
+                // Busy where the other one is at it.
+                if let Ok(mut file) = GrowingFile::create(&path) {
+                    file.write_all(b"whole").unwrap();
+                    fs::rename(&file.partial, &file.target).unwrap();
+                    assert_eq!(fs::read(&path).unwrap(), b"whole");
+                }
+            }
+        };
+        std::thread::scope(|scope| [(); 4].map(|()| drop(scope.spawn(run))));
+        assert_eq!(fs::read(&path).unwrap(), b"whole");
     }
 
     #[test]

@@ -1,9 +1,9 @@
 //! A folder of masks, a class a file, as TotalSegmentator and others write them: one image of segments with the files' names.
 
 use super::folder::{name_of, visible};
+use super::known_stem;
 use super::overlay::{Layer, Layers, Overlay};
 use super::{Format, ImageHeader, ReadError, Voxels};
-use crate::inputs::known_stem;
 use crate::volume::{Affine, LabelTable, ScalarType};
 use std::path::{Path, PathBuf};
 
@@ -40,7 +40,7 @@ pub(super) fn read_header(folder: &Path) -> Result<ImageHeader, ReadError> {
 pub(super) fn masks(folder: &Path) -> Result<Vec<PathBuf>, ReadError> {
     let is_mask = |path: &PathBuf| {
         let name = name_of(path).to_lowercase();
-        let second = [".img", ".img.gz"].iter().any(|ending| name.ends_with(ending));
+        let second = [".img", ".img.gz", ".img.bz2"].iter().any(|ending| name.ends_with(ending));
         // A folder of TIFF files is one of slices.
         let is_image = Format::of_name(path).is_some_and(|format| format != Format::Tiff);
         !second && path.is_file() && is_image

@@ -58,8 +58,15 @@ impl Overlay {
 }
 
 impl AssembleVoxels for Overlay {
+    /// Of each image its header and its data; most are one file.
     fn files(&self) -> Vec<PathBuf> {
-        self.images.iter().flat_map(|image| image.header.data.files()).collect()
+        let header_and_data = |Layers { header, .. }: &Layers| {
+            let mut files = vec![header.path.clone()];
+            files.extend(header.data.files());
+            files.dedup();
+            files
+        };
+        self.images.iter().flat_map(header_and_data).collect()
     }
 
     fn segments(&self) -> Option<Segments> {

@@ -3,7 +3,7 @@
 use super::ResultOutput;
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Writes a file under a name of its own beside it, `NAME.partial`, which takes its place only when
 /// everything is written. A link is followed; a device or pipe (`/dev/stdout`) is written to directly.
@@ -32,6 +32,7 @@ pub fn write_whole(
 /// Whatever the file system says.
 pub fn try_writing(path: impl AsRef<Path>) -> io::Result<()> {
     let path = path.as_ref();
+    check_name(path)?;
     // Who reads a pipe would see it end.
     if path.exists() && !path.is_file() {
         return Ok(());
@@ -46,6 +47,47 @@ pub fn try_writing(path: impl AsRef<Path>) -> io::Result<()> {
     let trial = target.with_file_name(name);
     File::create_new(&trial)?;
     fs::remove_file(&trial)
+}
+
+/// Refuses a file whose name is written as a folder's, and one in a Zarr, which would be taken for a chunk or for metadata.
+///
+/// # Errors
+/// What to name instead.
+pub(super) fn check_name(path: &Path) -> io::Result<()> {
+    if is_written_as_folder(path) {
+        let error =
+            "its name ends as a folder's does: leave out what follows the name, or name a file in the folder";
+        return Err(io::Error::new(io::ErrorKind::IsADirectory, error));
+    }
+    let target = path.canonicalize().unwrap_or_else(|_| path.to_owned());
+    zarr_around(&target).map_or(Ok(()), |zarr| {
+        let error = format!(
+            "it would lie in the Zarr {}, all files of which are its own: name one elsewhere",
+            zarr.display()
+        );
+        Err(io::Error::new(io::ErrorKind::InvalidInput, error))
+    })
+}
+
+/// Whether a name ends in a separator, or in a dot behind one: neither is part of the path's last name, yet no file can be
+/// renamed to it.
+fn is_written_as_folder(path: &Path) -> bool {
+    let name = path.as_os_str().as_encoded_bytes();
+    let name = name.strip_suffix(b".").unwrap_or(name);
+    name.last().is_some_and(|&byte| std::path::is_separator(char::from(byte)))
+}
+
+/// The Zarr that a file lies in, or would.
+#[cfg(feature = "zarr")]
+fn zarr_around(file: &Path) -> Option<PathBuf> {
+    let folder = file.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let folder = folder.canonicalize().ok()?;
+    folder.ancestors().find(|folder| super::zarr::is_zarr(folder)).map(Path::to_owned)
+}
+
+#[cfg(not(feature = "zarr"))]
+fn zarr_around(_: &Path) -> Option<PathBuf> {
+    None
 }
 
 #[cfg(test)]
@@ -83,6 +125,16 @@ mod tests {
         );
         assert!(try_writing(folder.path().join("none").join("file")).is_err());
         assert!(try_writing("/proc/file").is_err());
+    }
+
+    #[test]
+    fn names_that_end_as_folders_do() {
+        for name in ["a/", "a/.", "/a//", "b/a/./"] {
+            assert!(is_written_as_folder(Path::new(name)), "{name}");
+        }
+        for name in ["a", "a.", "b/a", "b/.a", "b/a.."] {
+            assert!(!is_written_as_folder(Path::new(name)), "{name}");
+        }
     }
 
     #[cfg(unix)]

@@ -2,10 +2,10 @@
 //! runs of parts of the inputs become one.
 
 use super::journalled::{JournalledSink, JournalledTask};
-use super::reading::FileStamps;
 use super::settings::Settings;
+use super::stamps::FileStamps;
 use super::{Batch, Failure, Item, Outcome, Plan, Record, Shard, Sink, Task};
-use crate::inputs::{OpenOptions, open};
+use crate::inputs::{OpenOptions, files_of, open};
 use crate::io::{GrowingFile, read_handed_on, sha256_text};
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
@@ -27,7 +27,7 @@ pub struct RunHead {
     version: String,
     pub(super) shard: Shard,
     pub(super) settings: Settings,
-    /// What the image of regions was, where there is one.
+    /// What the files of the image of regions were, where there is one.
     #[serde(default)]
     beside: FileStamps,
     /// How many inputs all shards have.
@@ -153,7 +153,7 @@ impl RunHead {
             beside: plan
                 .regions
                 .as_ref()
-                .map(|regions| FileStamps::of_files(&[regions.file().into()]))
+                .map(|regions| FileStamps::of_files(&files_of(regions.file())))
                 .unwrap_or_default(),
             all_inputs: all.len(),
             list: digest(all),

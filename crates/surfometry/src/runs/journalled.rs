@@ -1,7 +1,7 @@
 //! A run that keeps a journal: a task and a sink around those of any other.
 
 use super::journal::{Entry, Journal};
-use super::reading::FileStamps;
+use super::stamps::FileStamps;
 use super::{Failure, Item, Opened, Record, RunError, Sink, Task};
 use crate::Control;
 use crate::inputs::{OpenOptions, open};

@@ -8,7 +8,7 @@ use super::object_names::ObjectNames;
 use super::{InputObject, LabelScales, Opened, Plan, RunError};
 use crate::accuracy::{Flag, FlagCode};
 use crate::inputs::{InputError, Source};
-use crate::measurement::{CurvatureScale, EmbeddingKind, Interface, Measured};
+use crate::measurement::{Clip, CurvatureScale, EmbeddingKind, Interface, Measured};
 use crate::phantoms::Truth;
 use crate::tiling::IndexBox;
 use crate::topology::{ComponentLabels, Connectivity};
@@ -17,10 +17,8 @@ use crate::volume::{
     Segments, Selected, Slab, SlabReader,
 };
 use crate::{Control, Event, Stopped};
-use serde::{Deserialize, Serialize};
-use std::path::PathBuf;
 use std::sync::{Arc, OnceLock};
-use std::time::{Duration, Instant, SystemTime};
+use std::time::{Duration, Instant};
 
 /// An input that was read as a whole.
 pub struct Reading<'a> {
@@ -261,7 +259,11 @@ impl<'a> Reading<'a> {
         };
         let object = measurement.prepare(mask)?;
         let recovering = measurement.recovering().filter(|_| plan.recover);
-        Ok(InputObject { local, recovering, ..self.bare(object) })
+        let of_vertices = matches!(plan.curvature, CurvatureScale::Auto | CurvatureScale::Local)
+            && measurement.clip != Clip::Exclude;
+        let one_scale = local.as_ref().filter(|local| of_vertices && !local.has_scales_of_vertices());
+        let one_scale_mm = one_scale.and_then(|local| local.parameters().sigma_mm);
+        Ok(InputObject { local, recovering, one_scale_mm, ..self.bare(object) })
     }
 
     fn of_probability(&self, image: &Arc<ProbabilityImage>, plan: &Plan) -> Result<InputObject, RunError> {
@@ -291,6 +293,7 @@ impl<'a> Reading<'a> {
             object: object.under(self.control),
             local: None,
             recovering: None,
+            one_scale_mm: None,
             surface: OnceLock::new(),
             measured: None,
             truth: None,
@@ -409,38 +412,5 @@ impl<R: SlabReader<Error = InputError>> SlabReader for Watched<'_, R> {
 
     fn file_time(&self) -> Duration {
         self.slabs.file_time()
-    }
-}
-
-/// Sizes and times of an input's files, which tell whether two readings were of the same.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
-pub(super) struct FileStamps(Vec<Option<(u64, Option<Moment>)>>);
-
-impl FileStamps {
-    pub(super) fn of(source: &dyn Source) -> Self {
-        Self::of_files(&source.files())
-    }
-
-    pub(super) fn of_files(files: &[PathBuf]) -> Self {
-        let stamp =
-            |path: &PathBuf| path.metadata().ok().map(|m| (m.len(), m.modified().ok().map(Moment::of)));
-        Self(files.iter().map(stamp).collect())
-    }
-}
-
-/// A time of a file, which may lie before 1970.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-struct Moment {
-    secs_since_epoch: i64,
-    nanos_since_epoch: u32,
-}
-
-impl Moment {
-    fn of(time: SystemTime) -> Self {
-        let (sign, apart) = match time.duration_since(SystemTime::UNIX_EPOCH) {
-            Ok(since) => (1, since),
-            Err(before) => (-1, before.duration()),
-        };
-        Self { secs_since_epoch: sign * apart.as_secs() as i64, nanos_since_epoch: apart.subsec_nanos() }
     }
 }

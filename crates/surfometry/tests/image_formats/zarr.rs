@@ -66,6 +66,44 @@ fn images_of_both_versions() {
     }
 }
 
+/// JSON has one kind of number: 1.0 is 1 and names the same label.
+#[test]
+fn whole_numbers_with_a_point() {
+    let folder = tempfile::tempdir().unwrap();
+    array(&folder.path().join("0"), 2);
+    let colours = r#""image-label": {"colors": [{"label-value": 1.0, "rgba": [255.0, 16, 0, 255]}, {"label-value": 1.5, "rgba": [1, 1, 1, 1]}], "#;
+    let attributes =
+        IMAGE.replace("\"label-value\": 1,", "\"label-value\": 1.0,").replace("\"image-label\": {", colours);
+    group(folder.path(), 2, &attributes);
+    let table = open(folder.path().to_str().unwrap(), &OpenOptions::default()).unwrap().label_table();
+    let femur = surfometry::volume::LabelGroup::single(1);
+    assert_eq!(table.name_of(&femur).as_deref(), Some("femur"));
+    assert_eq!(table.colour_of(&femur), Some([255, 16, 0]));
+    assert_eq!(table.names().len(), 1);
+}
+
+/// All that an image is read from: metadata of groups on the way, of the array, and each chunk.
+#[test]
+fn files_that_an_image_rests_on() {
+    let folder = tempfile::tempdir().unwrap();
+    // The temporary folder may be a link.
+    let folder = folder.path().canonicalize().unwrap();
+    group(&folder, 2, "");
+    let labels = folder.join("labels");
+    fs::create_dir_all(labels.join("bones")).unwrap();
+    group(&labels, 2, r#""labels": ["bones"]"#);
+    group(&labels.join("bones"), 2, IMAGE);
+    array(&labels.join("bones/0"), 2);
+    let of_image = ["bones/.zgroup", "bones/.zattrs", "bones/0/.zarray", "bones/0/0.0.0", "bones/0/1.0.0"];
+    let of_labels = [&[".zgroup", ".zattrs"], &of_image[..]].concat();
+    for (named, expected) in [("", &of_labels[..]), ("bones", &of_image[..]), ("bones/0", &of_image[..])] {
+        let name = labels.join(named).to_str().unwrap().trim_end_matches('/').to_owned();
+        let files = open(&name, &OpenOptions::default()).unwrap().files();
+        let expected: Vec<_> = expected.iter().map(|file| labels.join(file)).collect();
+        assert_eq!(files, expected, "{name}");
+    }
+}
+
 #[test]
 fn what_is_not_meant_is_refused() {
     let folder = tempfile::tempdir().unwrap();

@@ -15,6 +15,8 @@ pub(super) struct Chosen {
     pub(super) image: Option<Node>,
     /// The array's name in the image.
     pub(super) level: String,
+    /// Metadata of the groups that say so, the image's among them.
+    pub(super) groups: Vec<PathBuf>,
 }
 
 /// Of an array itself (`image.zarr/1`: the second resolution); of an image with one set of labels these; else the
@@ -22,10 +24,24 @@ pub(super) struct Chosen {
 pub(super) fn choose(path: &Path) -> Result<Chosen, ReadError> {
     let node = Node::read(path)?;
     if node.is_array() {
-        let chosen = |(image, level)| Chosen { array: path.to_owned(), image: Some(image), level };
-        let alone = || Chosen { array: path.to_owned(), image: None, level: String::new() };
-        return Ok(image_of(path).map_or_else(alone, chosen));
+        return Ok(of_array(path));
     }
+    let own = node.files();
+    let chosen = below_group(path, node)?;
+    Ok(Chosen { groups: [own, chosen.groups].concat(), ..chosen })
+}
+
+/// An array that is named itself.
+fn of_array(path: &Path) -> Chosen {
+    let array = path.to_owned();
+    match image_of(path) {
+        Some((image, level)) => Chosen { array, groups: image.files(), image: Some(image), level },
+        None => Chosen { array, groups: Vec::new(), image: None, level: String::new() },
+    }
+}
+
+/// What a group stands for; its own metadata are added by who knows them.
+fn below_group(path: &Path, node: Node) -> Result<Chosen, ReadError> {
     check_version(&node)?;
     for (key, kind) in [("plate", "a plate"), ("well", "a well of a plate")] {
         if !node.ome(key).is_null() {
@@ -47,12 +63,12 @@ pub(super) fn choose(path: &Path) -> Result<Chosen, ReadError> {
         && let Value::Array(names) = Node::read(&labels)?.ome("labels")
         && !names.is_empty()
     {
-        return of_labels(&labels, names);
+        return choose(&labels);
     }
     let first = node.ome("multiscales").pointer("/0/datasets/0/path").and_then(Value::as_str);
     let level =
         first.ok_or_else(|| error("multiscales without datasets; export the image again"))?.to_owned();
-    Ok(Chosen { array: below(path, &level)?, image: Some(node), level })
+    Ok(Chosen { array: below(path, &level)?, image: Some(node), level, groups: Vec::new() })
 }
 
 /// The one set of labels of an image.

@@ -26,8 +26,9 @@ pub(super) use self::node::is_zarr;
 
 /// Reads what a folder says that is an array, an image of several resolutions, its labels, or one of these.
 pub(super) fn read_header(path: &Path) -> Result<ImageHeader, ReadError> {
-    let Chosen { array, image, level } = choose(path)?;
+    let Chosen { array, image, level, groups } = choose(path)?;
     let node = Node::read(&array)?;
+    let metadata = [groups, node.files()].concat();
     let stored = node.array()?;
     let place = match &image {
         Some(image) => Place::of(image, &level, stored.shape.len())?,
@@ -35,7 +36,7 @@ pub(super) fn read_header(path: &Path) -> Result<ImageHeader, ReadError> {
     };
     let axes = place.space_axes(&stored.shape)?;
     let dimensions = three_dimensions(&axes.map(|axis| stored.shape[axis]))?;
-    let voxels = ZarrVoxels::open(&array, axes, &stored)?;
+    let voxels = ZarrVoxels::open(&array, axes, &stored, metadata)?;
     let affine = place.affine(axes);
     Ok(ImageHeader {
         affine,
@@ -56,10 +57,10 @@ fn label_table(image: &Node) -> LabelTable {
     const NAMES: [&str; 4] = ["name", "label-name", "class", "label"];
     let entries =
         |key: &str| image.ome("image-label").get(key).and_then(Value::as_array).cloned().unwrap_or_default();
-    let label = |entry: &Value| entry.get("label-value").and_then(Value::as_i64);
+    let label = |entry: &Value| entry.get("label-value").and_then(whole);
     let name = |entry: &Value| NAMES.iter().find_map(|key| entry.get(key)?.as_str().map(str::to_owned));
     let colour = |entry: &Value| {
-        let channel = |i: usize| entry.get("rgba")?.get(i)?.as_u64()?.try_into().ok();
+        let channel = |i: usize| whole(entry.get("rgba")?.get(i)?)?.try_into().ok();
         Some([channel(0)?, channel(1)?, channel(2)?])
     };
     let mut table = std::collections::BTreeMap::<i64, LabelEntry>::new();
@@ -74,6 +75,13 @@ fn label_table(image: &Node) -> LabelTable {
         }
     }
     table.into_iter().collect()
+}
+
+/// A whole number however it is written: JSON's 1.0 is its 1. Beyond 2^53 such a number is no certain one.
+fn whole(value: &Value) -> Option<i64> {
+    const EXACT: f64 = 9_007_199_254_740_992.0;
+    let rounded = || value.as_f64().filter(|number| number.fract() == 0.0 && number.abs() < EXACT);
+    value.as_i64().or_else(|| rounded().map(|number| number as i64))
 }
 
 /// The cure where something has to be chosen.

@@ -54,6 +54,13 @@ impl Node {
         Ok(node(array, attributes, 2))
     }
 
+    /// The files that say all this.
+    pub(super) fn files(&self) -> Vec<PathBuf> {
+        let names: &[&str] =
+            if self.version == 2 { &[".zarray", ".zgroup", ".zattrs"] } else { &["zarr.json"] };
+        names.iter().map(|name| self.path.join(name)).filter(|file| file.is_file()).collect()
+    }
+
     pub(super) fn is_array(&self) -> bool {
         self.array.is_some()
     }

@@ -21,6 +21,8 @@ const A_PIECE: usize = 1 << 26;
 #[derive(Debug)]
 pub(super) struct ZarrVoxels {
     folder: PathBuf,
+    /// Files of the array's and its groups' metadata.
+    metadata: Vec<PathBuf>,
     pieces: Arc<ArrayPieces>,
     /// Slices of a piece: whole chunks, unless these are large.
     thickness: usize,
@@ -28,7 +30,12 @@ pub(super) struct ZarrVoxels {
 
 impl ZarrVoxels {
     /// Opens an array of which `axes` are space, fastest first.
-    pub(super) fn open(folder: &Path, axes: [usize; 3], stored: &Stored) -> Result<Self, ReadError> {
+    pub(super) fn open(
+        folder: &Path,
+        axes: [usize; 3],
+        stored: &Stored,
+        metadata: Vec<PathBuf>,
+    ) -> Result<Self, ReadError> {
         let width = stored.scalar.bytes();
         let chunk = stored.chunks.iter().fold(width as u64, |product, &n| product.saturating_mul(n as u64));
         if chunk > LARGEST_CHUNK || stored.chunks.contains(&0) {
@@ -52,15 +59,18 @@ impl ZarrVoxels {
         };
         let chunks = StoredChunks::find(folder, &array, slowest, width)?;
         let pieces = ArrayPieces { array, chunks, slowest, depth: whole_chunks, width };
-        Ok(Self { folder: folder.to_owned(), pieces: Arc::new(pieces), thickness })
+        Ok(Self { folder: folder.to_owned(), metadata, pieces: Arc::new(pieces), thickness })
     }
 }
 
 impl AssembleVoxels for ZarrVoxels {
-    /// Those of the metadata; the chunks may be millions.
+    /// Those of the metadata, then all chunks that are stored, in the order of their names.
     fn files(&self) -> Vec<PathBuf> {
-        let files = ["zarr.json", ".zarray"].map(|name| self.folder.join(name));
-        files.into_iter().filter(|file| file.is_file()).collect()
+        let path = |place: &Place| self.folder.join(self.pieces.array.chunk_key(place).as_str());
+        let mut chunks: Vec<PathBuf> =
+            self.pieces.chunks.in_layers(0..=u64::MAX).into_iter().map(path).collect();
+        chunks.sort();
+        self.metadata.iter().cloned().chain(chunks).collect()
     }
 
     fn stored_bytes(&self) -> u64 {
