@@ -117,6 +117,51 @@ fn slices_of_a_ball() {
     assert!(within >= 0.95, "{within}");
 }
 
+/// Regions that were painted into the object alone, with nothing or a neighbour around it: half of the band lies there, and belongs
+/// to the object's regions all the same.
+#[test]
+fn regions_that_end_with_the_object() {
+    for (n, spacing) in SPACINGS.into_iter().enumerate() {
+        let h = spacing.iter().copied().fold(0.0, f64::max);
+        let r = 16.0 * h;
+        let (object, measured) = object(Ball { radius: r }, n % 3, spacing, &Measurement::default());
+        let (middle, normal) = (poses()[n % 3].shift(), [0.36, 0.48, 0.8]);
+        let height = |p: [f64; 3]| (0..3).map(|a| normal[a] * (p[a] - middle[a])).sum::<f64>();
+        let cut = -0.4 * r;
+        for around in [0, 9] {
+            let grid = *object.grid();
+            let voxel = |n: usize| {
+                let index = grid.index_of(n);
+                let below = height(grid.affine().apply(index.map(|i| i as f64))) < cut;
+                if object.mask().get(index.map(|i| i as i64)) { 2 - u8::from(below) } else { around }
+            };
+            let voxels: Vec<u8> = (0..grid.voxel_count()).map(voxel).collect();
+            let painted =
+                Regions::new(LabelImage::from_voxels(grid, &voxels).unwrap(), LabelTable::default());
+            let parts = object.regions(&measured, &painted.unwrap());
+            assert_adds_up(&parts, &measured);
+            assert_eq!(
+                parts.iter().map(|part| part.region).collect::<Vec<_>>(),
+                [1, 2],
+                "{spacing:?} {around}"
+            );
+            for (part, width) in parts.iter().zip([r + cut, r - cut]) {
+                let exact = [2.0 * PI * r * width, 2.0 * PI * width];
+                let found = [part.values.surface_area_mm2, part.values.total_mean_curvature_mm];
+                let errors =
+                    [part.standard_error.surface_area_mm2, part.standard_error.total_mean_curvature_mm];
+                for ((value, error), exact) in found.into_iter().zip(errors).zip(exact) {
+                    let (off, error) = (value.unwrap() - exact, error.unwrap());
+                    assert!(
+                        off.abs() < 2.0 * error && off.abs() < 0.04 * exact,
+                        "{spacing:?}: {off} of {exact} +- {error}"
+                    );
+                }
+            }
+        }
+    }
+}
+
 /// The inner and the outer side of a torus, whose total curvatures are -4 pi and 4 pi.
 #[test]
 fn two_sides_of_a_torus() {

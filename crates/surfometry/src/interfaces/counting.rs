@@ -3,7 +3,7 @@
 use super::PairWeights;
 use crate::tiling::{Block, IndexBox};
 use rayon::prelude::*;
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::ops::Range;
 
 /// Edge of the boxes in which pairs are counted, voxels.
@@ -19,8 +19,8 @@ pub(crate) struct Contact {
     pub(crate) by_way: Vec<i64>,
     /// Cells of 2 x 2 x 2 voxels in which a third label meets both.
     pub(crate) rim: u64,
-    /// The boxes in which voxels of both share a face.
-    pub(crate) boxes: Vec<IndexBox>,
+    /// The boxes in which voxels of both share a face, each with the one around all such faces in and beside it.
+    pub(crate) boxes: Vec<[IndexBox; 2]>,
 }
 
 impl Contact {
@@ -87,9 +87,9 @@ impl Contacts {
             }
         }
         found.count_rims(tile, labels, weights.orbits());
-        for contact in found.0.values_mut() {
+        for (key, contact) in &mut found.0 {
             if weights.faces(&contact.pairs).iter().any(|&area| area > 0.0) {
-                contact.boxes.push(*tile);
+                contact.boxes.extend(touching.get(key).map(|faces| [*tile, *faces]));
             }
         }
         found
@@ -105,7 +105,7 @@ impl Contacts {
         labels: &[u32],
         row: Range<usize>,
         path: &[i64],
-        touching: &BTreeSet<[u32; 2]>,
+        touching: &BTreeMap<[u32; 2], IndexBox>,
         (orbit, orbits): (usize, usize),
     ) {
         let end = path[path.len() - 1];
@@ -120,7 +120,7 @@ impl Contacts {
                 continue;
             }
             let crossed = crossings(from, path.iter().map(|&step| on_the_way(step)));
-            if !touching.contains(&pair(from, to)) {
+            if !touching.contains_key(&pair(from, to)) {
                 crossed.for_each(|key| self.of(key, orbits).pairs[orbit] += 1);
                 continue;
             }
@@ -160,21 +160,24 @@ impl Contacts {
     }
 }
 
-/// The labels of which voxels share a face.
-fn touching(labels: &Block<u32>) -> BTreeSet<[u32; 2]> {
+/// The labels of which voxels share a face, and the box around all such voxels.
+fn touching(labels: &Block<u32>) -> BTreeMap<[u32; 2], IndexBox> {
     let [nx, ny, _] = labels.region().extent();
-    let (values, mut found) = (labels.values(), BTreeSet::new());
-    let mut last = [0; 2];
-    for (y, z) in labels.region().rows() {
-        let start = labels.offset([labels.region().lower[0], y, z]);
-        let [more_y, more_z] = [y + 1 < labels.region().upper[1], z + 1 < labels.region().upper[2]];
+    let (values, region) = (labels.values(), labels.region());
+    let mut found = BTreeMap::<[u32; 2], IndexBox>::new();
+    for (y, z) in region.rows() {
+        let start = labels.offset([region.lower[0], y, z]);
+        let [more_y, more_z] = [y + 1 < region.upper[1], z + 1 < region.upper[2]];
         for x in 0..nx {
             let next = [(x + 1 < nx, 1), (more_y, nx), (more_z, nx * ny)];
-            for (_, step) in next.into_iter().filter(|(is_there, _)| *is_there) {
+            for (axis, (_, step)) in next.into_iter().enumerate().filter(|(_, (is_there, _))| *is_there) {
                 let key = pair(values[start + x], values[start + x + step]);
-                if key[0] != key[1] && key != last {
-                    last = key;
-                    found.insert(key);
+                if key[0] != key[1] {
+                    let lower = [region.lower[0] + x as i64, y, z];
+                    let mut upper = lower.map(|v| v + 1);
+                    upper[axis] += 1;
+                    let all = found.entry(key).or_insert(IndexBox::EMPTY);
+                    *all = all.hull(&IndexBox::new(lower, upper));
                 }
             }
         }

@@ -9,6 +9,7 @@ use crate::integrals::{Integrals, Partial};
 use crate::interfaces::{Contact, Contacts, Contrast, PairWeights};
 use crate::local_geometry::Differentiation;
 use crate::space::length;
+use crate::text::{SHOWN_LABELS, listed};
 use crate::tiling::IndexBox;
 use crate::volume::{LabelGroup, LabelImage, VolumeError};
 use rayon::prelude::*;
@@ -65,6 +66,8 @@ const OF_RIM: f64 = 0.6;
 const OF_GRIDDED_RIM: f64 = 0.227;
 const OF_LINE: f64 = 0.6;
 const OF_ROUGHNESS: f64 = 1.5;
+/// Sigmas beyond which of a blur that two labels share nothing comes from where they touch.
+const NEAR: f64 = 3.0;
 /// Area of the voxels' faces, as a multiple of the interface's, up to which that lies along the grid, in part.
 const GRIDDED: f64 = 1.1;
 
@@ -125,8 +128,7 @@ impl<'a> Partition<'a> {
         for object in chosen {
             for &label in object.labels() {
                 if image.summary(label).is_none() {
-                    let present = image.summaries().iter().map(|s| s.label.to_string());
-                    let present = present.collect::<Vec<_>>().join(", ");
+                    let present = listed(image.summaries().iter().map(|s| s.label), SHOWN_LABELS);
                     return Err(VolumeError::NoSuchLabel { missing: label, present }.into());
                 }
                 if number_of.insert(label, 0).is_some() {
@@ -255,7 +257,7 @@ impl<'a> Partition<'a> {
 
     /// What the band around the middle of two labels adds up to, away from all others, by either limit; `None` where
     /// there is no blur at level 0.5.
-    fn core(&self, setup: &Setup, [from, to]: [u32; 2], boxes: &[IndexBox]) -> Option<Core> {
+    fn core(&self, setup: &Setup, [from, to]: [u32; 2], boxes: &[[IndexBox; 2]]) -> Option<Core> {
         setup.parameters.compensable_sigma()?;
         let [from, to] = [from, to].map(|number| self.object(number).labels());
         let amounts = |labels: &[i64], amount: f32| labels.iter().map(|&l| (l, amount)).collect::<Vec<_>>();
@@ -287,7 +289,9 @@ impl<'a> Partition<'a> {
             GaussianEmbedding::of_profile(&others, &setup.parameters.profile()?, least, setup.truncation());
         let half_width = setup.band.delta().half_width();
         let mut sums = [Partial::default(), Partial::default()];
-        for tile in boxes {
+        let near = near_faces(setup);
+        for tile in boxes.iter().map(|[tile, faces]| tile.intersection(&faces.grown(near))) {
+            let tile = &tile;
             let share = others.evaluate(tile, half_width);
             let part_of = |index: [i64; 3]| {
                 let share = f64::from(share.get(index));
@@ -319,6 +323,13 @@ fn by_faces(weights: &PairWeights, contact: &Contact) -> (f64, f64) {
     let (least, most) = (length(faces), faces.iter().sum::<f64>());
     // Anywhere between them, and of boxes along the grid at the end.
     (0.5 * (least + most), 0.4 * (most - least))
+}
+
+/// How far, in voxels, from where two labels touch their blurs are equal and no third one is there: within the band, and the
+/// blur's reach of both.
+fn near_faces(setup: &Setup) -> [i64; 3] {
+    let reach = 0.5 * setup.parameters.thickness_mm + NEAR * setup.parameters.sigma_mm.unwrap_or_default();
+    setup.grid.spacing().mm().map(|h| libm::ceil(reach / h) as i64)
 }
 
 /// How much of a contact of some area lies along the grid, 0 to 1.

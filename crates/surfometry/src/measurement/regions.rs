@@ -16,7 +16,8 @@ use std::f64::consts::SQRT_2;
 use std::sync::Arc;
 
 /// Regions of space: the labels of an image with a lattice of its own. A point belongs to the region of the nearest voxel;
-/// where that has no label, and outside the image, to region 0.
+/// where that has no label, and outside the image, to region 0. The surface of an object, which lies half a voxel beside its
+/// voxels, belongs where the nearest of them does, unless another of the object's regions is there.
 #[derive(Debug, Clone)]
 pub struct Regions {
     image: Arc<LabelImage>,
@@ -140,11 +141,9 @@ impl Object {
     /// Its parts, in order of region; what of it lies in none is one, too. `measured` are its numbers.
     pub fn regions(&self, measured: &Measured, regions: &Regions) -> Vec<RegionPart> {
         let labels = regions.labels();
-        let affine = *self.grid().affine();
-        let number = |index: [i64; 3]| {
-            let region = regions.at(affine.apply(index.map(|v| v as f64)));
-            labels.binary_search(&region).unwrap_or_default() as u32
-        };
+        let membership = self.membership(regions);
+        let number =
+            |index: [i64; 3]| labels.binary_search(&membership.of_voxel(index)).unwrap_or_default() as u32;
         let mut sums = merged(self.voxels_by_region(&number), &self.integrals_by_region(&number));
         let mut wider =
             self.at_wider_blur().map(|object| object.integrals_by_region(&number)).unwrap_or_default();

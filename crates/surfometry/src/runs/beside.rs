@@ -2,8 +2,9 @@
 
 use super::{BesideRole, InputObject, Plan, RunError, WordError};
 use crate::accuracy::{Flag, FlagCode};
-use crate::inputs::{InputError, OpenOptions, input_title, known_stem, open};
+use crate::inputs::{InputError, OpenOptions, input_title, open};
 use crate::io::ReadError;
+use crate::io::known_stem;
 use crate::measurement::{Interface, RegionPart, Regions};
 use crate::surface::{SampledVolume, VertexArray};
 use crate::volume::{FieldOfView, LabelGroup, LabelImage, VolumeError};
@@ -99,7 +100,33 @@ pub(super) fn flag_beside(what: BesideRole, name: &str, told: impl Iterator<Item
 /// The warning of an object none of which is in a region.
 pub(super) fn without_region(parts: &[RegionPart]) -> Option<Flag> {
     let message = "no part of the object lies in a region: all of it is in region 0; check that the regions are in the same world coordinates";
-    parts.iter().all(|part| part.region == 0).then(|| Flag::new(FlagCode::ImageBeside, message))
+    if parts.iter().all(|part| part.region == 0) {
+        return Some(Flag::new(FlagCode::ImageBeside, message));
+    }
+    let area = share_of_none(parts, |part| part.values.surface_area_mm2)?;
+    let volume = share_of_none(parts, |part| part.values.volume_mm3)?;
+    let message = || {
+        format!(
+            "region 0, where no region is, has {:.0} % of the surface and {:.1} % of the volume: the regions end below the object's \
+             surface, so that their areas and curvatures are too small; let them reach its voxels, or beyond",
+            100.0 * area,
+            100.0 * volume
+        )
+    };
+    let ends_inside = area > LEAST_AREA && area > SKIN * volume;
+    ends_inside.then(|| Flag::new(FlagCode::ImageBeside, message()))
+}
+
+/// The least share of the surface in no region, and how many times that of the volume, by which regions end below it: a part
+/// that is cut off by a plane has up to a few times.
+const LEAST_AREA: f64 = 0.05;
+const SKIN: f64 = 4.0;
+
+/// Which share of a number is in no region.
+fn share_of_none(parts: &[RegionPart], of: fn(&RegionPart) -> Option<f64>) -> Option<f64> {
+    let all: f64 = parts.iter().map(of).sum::<Option<f64>>()?;
+    let none = parts.iter().find(|part| part.region == 0).map_or(Some(0.0), of)?;
+    (all > 0.0).then(|| none / all)
 }
 
 /// A volume that is put on surfaces, on a lattice of its own, as it is written: `FILE`, or `NAME=FILE`.

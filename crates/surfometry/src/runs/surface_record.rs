@@ -61,7 +61,9 @@ impl SurfaceRecord {
     pub fn of(object: &InputObject) -> Self {
         let surface = object.surface();
         let by_region = |regions: &Regions| -> Vec<RegionDistributions> {
-            let labels: Vec<i64> = surface.mesh.vertices.iter().map(|&vertex| regions.at(vertex)).collect();
+            let membership = object.membership(regions);
+            let labels: Vec<i64> =
+                surface.mesh.vertices.iter().map(|&vertex| membership.of_point(vertex)).collect();
             let present: BTreeSet<i64> = labels.iter().copied().collect();
             let of = |region: i64| RegionDistributions {
                 region,
