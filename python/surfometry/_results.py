@@ -349,5 +349,6 @@ def warn_of(flags: Mapping[str, list[Flag]], stacklevel: int) -> None:
         for flag in of_object:
             raised.setdefault(flag.code, (flag.message, []))[1].append(object_name)
     for code, (message, objects) in raised.items():
-        many = "" if len(objects) == 1 else f" (and {len(objects) - 1} objects more)"
+        more = len(objects) - 1
+        many = f" (and {more} object{'s' if more > 1 else ''} more)" if more else ""
         warnings.warn(f"{objects[0]}: {code}: {message}{many}", SurfometryWarning, stacklevel=stacklevel + 1)

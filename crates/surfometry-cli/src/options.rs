@@ -2,7 +2,7 @@
 
 use crate::output::say;
 use crate::values::one_of;
-use anyhow::Result;
+use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};
 use std::path::{Path, PathBuf};
 use surfometry::inputs::{Preparation, Threshold};
@@ -22,11 +22,14 @@ pub(crate) enum OutputFormat {
     Csv,
 }
 
+/// Endings of files that take a table for people.
+const TEXTS: [&str; 4] = ["txt", "text", "log", "md"];
+
 /// Where results go, in which form.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Results")]
 pub(crate) struct OutputOptions {
-    /// Form of the results [default: what the ending of -o FILE says, .json, .jsonl or .csv; else table]
+    /// Form of the results [default: what the ending of -o FILE says, .json, .jsonl or .csv; else table, of .txt or no ending]
     #[arg(long, value_enum)]
     format: Option<OutputFormat>,
     /// File to write instead of stdout; written whole or not at all
@@ -38,6 +41,20 @@ impl OutputOptions {
     /// The file; `None` for stdout, which `-` names as well.
     pub(crate) fn path(&self) -> Option<&Path> {
         self.output.as_deref().filter(|path| *path != Path::new("-"))
+    }
+
+    /// Refuses, before anything is measured, a file whose name says another form than it would have.
+    pub(crate) fn check(&self) -> Result<()> {
+        let Some(path) = self.path().filter(|_| self.format.is_none()) else { return Ok(()) };
+        let ending = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
+        if !ending.is_empty() && DocumentForm::of_path(path).is_none() && !TEXTS.contains(&ending.as_str()) {
+            bail!(
+                "{}: no results are written as .{ending}; name the file .csv, .json or .jsonl, or .txt for the table that is \
+                 printed, or say --format",
+                path.display()
+            );
+        }
+        Ok(())
     }
 
     pub(crate) fn format(&self) -> OutputFormat {
@@ -219,7 +236,7 @@ pub(crate) struct MeasureOptions {
     /// its own units, `auto` to its largest value [default: the surface is left open there]
     #[arg(long, help_heading = "Method", hide_short_help = true, value_name = "VALUE|auto", value_parser = padding, allow_hyphen_values = true)]
     padding: Option<Padding>,
-    /// The paper's choices: finite-difference, simpson, sigma 2, thickness 2.5; options given beside it win
+    /// The paper's choices: finite-difference, simpson, sigma 2 mm, thickness 2.5 mm; options given beside it win
     #[arg(long, help_heading = "Method")]
     paper: bool,
 }

@@ -14,7 +14,7 @@ use surfometry::surface::LocalQuantity;
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Pictures")]
 pub(crate) struct PictureOptions {
-    /// What colours show [default: mean-curvature; with --against distance]
+    /// What colours show [default: mean-curvature; of `map --against` distance]
     #[arg(long, value_parser = one_of::<LocalQuantity>())]
     quantity: Option<LocalQuantity>,
     /// Magnitude at the ends of the colour scale, in the quantity's unit [default: that of 98 % of the area,

@@ -5,7 +5,7 @@ use crate::cures::cure;
 use crate::inputs::{expand, input_name};
 use crate::options::MeasureOptions;
 use crate::output::{
-    Layout, TableSink, check_output, digits, is_one_terminal, one_line, raised_text, status, with_scales,
+    Layout, TableSink, check_output, digits, is_one_place, one_line, raised_text, status, with_scales,
 };
 use anyhow::{Context, Result, bail};
 use std::path::PathBuf;
@@ -51,8 +51,8 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
     let batch = Batch { inputs: &inputs, open: plan.open.clone(), control: &control, cure };
     let task = EmbedTask { plan, file: args.output.clone(), ledger: FileLedger::new(&read) };
     task.check()?;
-    // A terminal has shown the failures already.
-    let mut sink = TableSink::new(ResultOutput::stdout(), table, !is_one_terminal());
+    // Where both go to one place, stderr has told the failures there.
+    let mut sink = TableSink::new(ResultOutput::stdout(), table, !is_one_place());
     let outcome = batch.run(&task, &mut sink)?;
     let out = sink.finish().context("stdout cannot be written")?;
     out.end(outcome.stopped).context("stdout cannot be written")?;

@@ -5,7 +5,9 @@ use crate::cures::cure;
 use crate::inputs::{expand, input_name};
 use crate::journal_options::JournalOptions;
 use crate::options::{MeasureOptions, OutputFormat, OutputOptions};
-use crate::output::{RecordTables, Shown, check_output, say_sigmas, status, with_scales, write_results};
+use crate::output::{
+    Failures, RecordTables, Shown, check_output, say_sigmas, status, with_scales, write_results,
+};
 use anyhow::{Context, Result, bail};
 use std::path::PathBuf;
 use surfometry::measurement::CurvatureScale;
@@ -86,6 +88,7 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
     for path in args.results.path().into_iter().chain(args.png.as_deref()).chain(beside.paths()) {
         check_output(Some(path), &read)?;
     }
+    args.results.check()?;
     check_picture(args)?;
     let (path, style, ledger) = (args.png.clone(), MapStyle::default(), FileLedger::new(&read));
     let pictures = path.map(|path| Pictures { path, style, ledger });
@@ -100,7 +103,7 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
         return Ok(status(journal.run(&batch, task, None).context("the shard cannot be written")?));
     }
     let shown = RecordTables::new(Shown { details: args.details, explain: args.explain }, &inputs);
-    let status = write_results(&args.results, shown, &settings, quiet, |sink| {
+    let status = write_results(&args.results, shown, &settings, quiet, Failures::Told, |sink| {
         let mut tables = PartTables::new(sink, &beside);
         let mut sigmas = SigmaRange::new(&mut tables);
         let outcome = match journal {

@@ -2,7 +2,7 @@
 
 use crate::inputs::expand;
 use crate::options::OutputOptions;
-use crate::output::{RecordTables, Shown, check_output, say_sigmas, write_results};
+use crate::output::{Failures, RecordTables, Shown, check_output, say_sigmas, write_results};
 use anyhow::Result;
 use std::path::PathBuf;
 use surfometry::runs::{Shards, SigmaRange};
@@ -24,11 +24,12 @@ pub(crate) struct Args {
 pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
     let paths = expand(&args.shards);
     check_output(args.results.path(), &paths)?;
+    args.results.check()?;
     let shards = Shards::read(&paths.into_iter().map(PathBuf::from).collect::<Vec<_>>())?;
     let settings = shards.settings().clone();
     let shown = Shown { explain: settings.explain(), ..Shown::default() };
     let tables = RecordTables::new(shown, &shards.inputs());
-    write_results(&args.results, tables, &settings, quiet, |sink| {
+    write_results(&args.results, tables, &settings, quiet, Failures::Untold, |sink| {
         let mut sigmas = SigmaRange::new(sink);
         let outcome = shards.replay(&mut sigmas)?;
         if !quiet && settings.sigma_is_automatic() {

@@ -4,7 +4,7 @@ use crate::console::{Voice, control};
 use crate::cures::cure;
 use crate::inputs::{expand, input_name};
 use crate::options::{InputSelection, OutputOptions};
-use crate::output::{Layout, check_output, digits, one_line, raised_text, write_results};
+use crate::output::{Failures, Layout, check_output, digits, one_line, raised_text, write_results};
 use anyhow::Result;
 use surfometry::accuracy::Flag;
 use surfometry::reference_methods::{METHODS, ReferenceMethod};
@@ -33,6 +33,7 @@ pub(crate) struct Args {
 pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
     let inputs = expand(&args.inputs);
     check_output(args.results.path(), &args.selection.files_read(&inputs, None))?;
+    args.results.check()?;
     let chosen = |method: &&&dyn ReferenceMethod| {
         args.methods.is_empty() || args.methods.iter().any(|name| name == method.name())
     };
@@ -42,7 +43,7 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
     let settings = Settings::of(&plan);
     let batch = Batch { inputs: &inputs, open: plan.open.clone(), control: &control, cure };
     let task = ReferenceTask { plan, methods };
-    write_results(&args.results, table, &settings, quiet, |sink| batch.run(&task, sink))
+    write_results(&args.results, table, &settings, quiet, Failures::Told, |sink| batch.run(&task, sink))
 }
 
 const COLUMNS: [&str; 8] =

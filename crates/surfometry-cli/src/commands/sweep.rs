@@ -4,7 +4,7 @@ use crate::console::{Voice, control};
 use crate::cures::cure;
 use crate::inputs::{expand, input_name};
 use crate::options::{MeasureOptions, OutputOptions, Range};
-use crate::output::{SweepTables, check_output, with_scales, write_results};
+use crate::output::{Failures, SweepTables, check_output, with_scales, write_results};
 use crate::picture_options::PictureOptions;
 use crate::values::one_of;
 use anyhow::{Result, bail};
@@ -68,6 +68,7 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
     let inputs = expand(&args.inputs);
     let read = args.options.files_read(&inputs, None);
     check_output(args.results.path(), &read)?;
+    args.results.check()?;
     for (path, what) in [(&args.chart, "chart"), (&args.surfaces, "picture")] {
         check_picture(args, path.as_deref(), what)?;
         check_output(path.as_deref(), &read)?;
@@ -88,9 +89,10 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
         ledger: FileLedger::new(&read),
     };
     task.check()?;
-    let status = write_results(&args.results, SweepTables(args.over), &settings, quiet, |sink| {
-        batch.run(&task, sink)
-    })?;
+    let status =
+        write_results(&args.results, SweepTables(args.over), &settings, quiet, Failures::Told, |sink| {
+            batch.run(&task, sink)
+        })?;
     Ok(with_scales(status, &scale_ledger, quiet))
 }
 

@@ -11,6 +11,7 @@ use std::path::PathBuf;
 use surfometry::measurement::CurvatureScale;
 use surfometry::runs::words::{WordError, curvature_scale, positive};
 use surfometry::runs::write_zoo;
+use surfometry::text::did_you_mean;
 use surfometry::validation::{CaseResult, MadeCase, Noise, Validation, Zoo, against, summarise};
 
 /// Measure a zoo of shapes with exact truth, in many poses, and print how far off the numbers are
@@ -103,7 +104,8 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
     };
     if validation.cases().is_empty() {
         let names: Vec<&str> = args.zoo.shapes().iter().map(|shape| shape.name).collect();
-        bail!("no shape is called like that; there are {}", names.join(", "));
+        let near: String = args.shape.iter().map(|name| did_you_mean(name, &names)).collect();
+        bail!("no shape is called like that; {near}there are {}", names.join(", "));
     }
     let progress = progress_bar(validation.cases().len(), quiet);
     let made = validation.made()?;

@@ -1,20 +1,20 @@
 //! A comparison as text.
 
-use super::{Layout, digits};
+use super::{Layout, counted, digits};
 use std::collections::BTreeMap;
 use surfometry::comparison::{Comparison, EulerAgreement, RowsTold};
 use surfometry::statistics::{Agreement, ConfusionMatrix, Estimate, RareClasses};
 
 pub(crate) fn comparison_text(comparison: &Comparison) -> String {
     let Comparison { method, standard, matched, .. } = comparison;
-    let mut parts = vec![format!("{method} against {standard}: {matched} objects\n")];
+    let mut parts = vec![format!("{method} against {standard}: {}\n", counted(*matched, "object"))];
     let tables = [(method, &comparison.method_rows), (standard, &comparison.standard_rows)];
     parts.extend(tables.map(|(name, rows)| told_text(name, rows, *matched)));
     parts.extend(comparison.doubts.iter().map(|doubt| format!("  {doubt}\n")));
     for measure in &comparison.measures {
         parts.push(format!("\n{}", column(&measure.column, &measure.standard_column)));
         if measure.left_out > 0 {
-            parts.push(format!(" ({} objects without a value)", measure.left_out));
+            parts.push(format!(" ({} without a value)", counted(measure.left_out, "object")));
         }
         parts.push("\n".to_owned());
         parts.extend(

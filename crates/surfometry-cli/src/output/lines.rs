@@ -1,7 +1,7 @@
 //! A line an object, for runs of many.
 
-use super::numbers::{digits_or_dash, with_error};
-use super::raised::{Raised, RaisedFlags};
+use super::numbers::{counted, digits_or_dash, with_error};
+use super::raised::{EXPLAIN, Raised, RaisedFlags};
 use super::width::{shortened, width, wrapped};
 use std::collections::BTreeSet;
 use surfometry::accuracy::Flag;
@@ -66,7 +66,7 @@ impl Lines {
     }
 
     fn letters(&mut self, name: &str, flags: &[Flag]) -> String {
-        let numbers: BTreeSet<usize> = flags.iter().filter_map(|flag| self.raised.add(name, flag)).collect();
+        let numbers: BTreeSet<usize> = flags.iter().map(|flag| self.raised.add(name, flag)).collect();
         numbers.into_iter().map(letter).collect()
     }
 
@@ -79,12 +79,8 @@ impl Lines {
     pub(crate) fn ending(&self) -> String {
         let explained = |(number, raised): (usize, &Raised)| {
             let first = format!("  {} ", letter(number));
-            let many = if raised.objects == 1 {
-                "1 object".to_owned()
-            } else {
-                format!("{} objects", raised.objects)
-            };
-            wrapped(&format!("{}, {many}: {}", raised.code, raised.in_words()), &first, "    ")
+            let (many, words) = (counted(raised.objects, "object"), raised.in_words(EXPLAIN));
+            wrapped(&format!("{}, {many}: {words}", raised.code), &first, "    ")
         };
         self.raised.iter().enumerate().map(explained).collect()
     }

@@ -1,7 +1,7 @@
 //! What a map's run gives: documents that grow, names of files, flags.
 
 use super::numbers::significant;
-use super::{flags_text, one_line, record_name, say};
+use super::{map_flags_text, one_line, record_name, say};
 use anyhow::{Result, anyhow};
 use std::io;
 use std::path::PathBuf;
@@ -63,7 +63,7 @@ impl Sink<SurfaceRecord> for MapSink {
 
     fn input_ends(&mut self) -> io::Result<()> {
         let records = self.records.as_mut().map(std::mem::take).unwrap_or_default();
-        let flags = flags_text(&records.iter().collect::<Vec<_>>());
+        let flags = map_flags_text(&records.iter().collect::<Vec<_>>());
         if let Some(record) = records.first().filter(|_| !flags.is_empty()) {
             say(&format!("{}\n{}", one_line(&record.input), flags.trim_end()));
         }

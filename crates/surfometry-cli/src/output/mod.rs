@@ -21,11 +21,11 @@ pub(crate) use comparison_text::comparison_text;
 pub(crate) use description_text::description_text;
 pub(crate) use layout::Layout;
 pub(crate) use map_sink::MapSink;
-pub(crate) use numbers::digits;
+pub(crate) use numbers::{counted, digits};
 pub(crate) use page_sink::PageSink;
-pub(crate) use raised::{flags_text, raised_text};
+pub(crate) use raised::{map_flags_text, raised_text};
 pub(crate) use record_tables::{RecordTables, Shown, record_name};
-pub(crate) use results::{say_sigmas, say_written, status, with_scales, write_results};
+pub(crate) use results::{Failures, say_sigmas, say_written, status, with_scales, write_results};
 pub(crate) use sweep_table::SweepTables;
 pub(crate) use table_sink::{Presenter, TableSink};
 pub(crate) use validation_table::{rivalry_table, validation_table};
@@ -65,9 +65,21 @@ pub(crate) fn say(message: &str) {
     let _ = stderr.write_all(shown.as_bytes());
 }
 
-/// Whether what stderr has told stands on the terminal that results are shown on.
-pub(crate) fn is_one_terminal() -> bool {
-    std::io::stdout().is_terminal() && std::io::stderr().is_terminal()
+/// Whether what stderr has told stands where results do: on one terminal, or in the file or pipe that takes both.
+pub(crate) fn is_one_place() -> bool {
+    std::io::stdout().is_terminal() && std::io::stderr().is_terminal() || is_one_file()
+}
+
+#[cfg(unix)]
+fn is_one_file() -> bool {
+    use std::os::unix::fs::MetadataExt;
+    let file = |path: &str| std::fs::metadata(path).ok().map(|file| (file.dev(), file.ino()));
+    file("/dev/stdout").is_some_and(|stdout| file("/dev/stderr") == Some(stdout))
+}
+
+#[cfg(not(unix))]
+fn is_one_file() -> bool {
+    false
 }
 
 /// A text without what a terminal takes for commands, which names of files and texts in them may hold.

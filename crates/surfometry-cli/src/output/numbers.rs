@@ -54,6 +54,11 @@ pub(crate) fn with_error(value: Option<f64>, error: Option<f64>) -> String {
     }
 }
 
+/// So many of something.
+pub(crate) fn counted(count: usize, what: &str) -> String {
+    format!("{count} {what}{}", if count == 1 { "" } else { "s" })
+}
+
 /// With its sign before a space.
 pub(crate) fn signed(value: f64) -> String {
     format!("{}{}", if value < 0.0 { "- " } else { "+ " }, digits(value.abs()))

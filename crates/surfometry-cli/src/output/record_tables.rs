@@ -39,11 +39,16 @@ pub(crate) struct RecordTables {
 impl RecordTables {
     /// Of some inputs.
     pub(crate) fn new(shown: Shown, inputs: &[String]) -> Self {
-        let parts = distinct_parts(inputs).into_iter();
-        let parts = inputs.iter().cloned().zip(parts).filter_map(|(input, part)| Some((input, part?)));
+        let mut parts = BTreeMap::new();
+        for (input, part) in inputs.iter().zip(distinct_parts(inputs)) {
+            // Of an input that is named twice, the first one's.
+            if let Some(part) = part {
+                parts.entry(input.clone()).or_insert(part);
+            }
+        }
         Self {
             shown,
-            parts: parts.collect(),
+            parts,
             one_input: inputs.len() == 1,
             lines: Lines::default(),
             all_original: true,

@@ -3,12 +3,19 @@
 use super::table_sink::{Presenter, TableSink};
 use crate::console::{INTERRUPTED, STOPPED};
 use crate::options::{OutputFormat, OutputOptions};
-use crate::output::{is_one_terminal, say};
+use crate::output::{counted, is_one_place, say};
 use anyhow::{Context, Result, anyhow};
 use std::io::{self, ErrorKind};
 use std::path::Path;
 use surfometry::io::ResultOutput;
 use surfometry::runs::{DocumentForm, Outcome, Row, ScaleLedger, Settings, SigmaRange, Sink};
+
+/// Whether stderr tells of failures while a run goes on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Failures {
+    Told,
+    Untold,
+}
 
 /// Runs something that hands its results to a sink, and writes them as the options say; the exit status. Which file was written is
 /// told, unless that is not wanted.
@@ -17,6 +24,7 @@ pub(crate) fn write_results<R: Row>(
     presenter: impl Presenter<R>,
     settings: &Settings,
     quiet: bool,
+    failures: Failures,
     run: impl FnOnce(&mut dyn Sink<R>) -> io::Result<Outcome>,
 ) -> Result<u8> {
     let out = match options.path() {
@@ -26,8 +34,8 @@ pub(crate) fn write_results<R: Row>(
         }
         None => ResultOutput::stdout(),
     };
-    // A terminal has shown the failures already.
-    let list_failures = options.path().is_some() || !is_one_terminal();
+    // Where both go to one place, stderr has told the failures there.
+    let list_failures = options.path().is_some() || failures == Failures::Untold || !is_one_place();
     let written = match options.format() {
         OutputFormat::Table => {
             let mut sink = TableSink::new(out, presenter, list_failures);
@@ -60,14 +68,17 @@ pub(crate) fn write_results<R: Row>(
 /// Tells of a file with all results of a run that was not stopped.
 pub(crate) fn say_written(path: &Path, outcome: Outcome) {
     if !outcome.stopped {
-        say(&format!("wrote {}: {}", path.display(), counted(outcome)));
+        say(&format!("wrote {}: {}", path.display(), outcome_text(outcome)));
     }
 }
 
-fn counted(outcome: Outcome) -> String {
-    let many = |count: usize, what: &str| format!("{count} {what}{}", if count == 1 { "" } else { "s" });
-    let results = many(outcome.rows, "result");
-    if outcome.failures == 0 { results } else { format!("{results}, {}", many(outcome.failures, "failure")) }
+fn outcome_text(outcome: Outcome) -> String {
+    let results = counted(outcome.rows, "result");
+    if outcome.failures == 0 {
+        results
+    } else {
+        format!("{results}, {}", counted(outcome.failures, "failure"))
+    }
 }
 
 /// Tells that the automatic blurs of a run's images differ, where they do.

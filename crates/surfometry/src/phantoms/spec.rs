@@ -2,6 +2,7 @@
 
 use super::{Ball, Bone, Capsule, Ellipsoid, Genus, MinimalSurface, Periodic, Phantom, Pose, RoundedBox};
 use super::{Shape, Shell, Torus, TwoBalls};
+use crate::text::did_you_mean;
 use crate::volume::VolumeError;
 use std::collections::BTreeMap;
 use thiserror::Error;
@@ -29,10 +30,14 @@ const POSE_KEYS: [&str; 5] = ["spacing", "rotate", "shift", "jitter", "flips"];
 #[non_exhaustive]
 pub enum ParsePhantomError {
     /// No shape of that name.
-    #[error("no phantom is called `{0}`; there are {list}", list = NAMES.join(", "))]
+    #[error(
+        "no phantom is called `{0}`; {near}there are {list}",
+        near = did_you_mean(.0, &NAMES),
+        list = NAMES.join(", ")
+    )]
     UnknownName(String),
     /// The shape does not take that key.
-    #[error("phantom `{name}` has no key `{key}`; it takes {keys}")]
+    #[error("phantom `{name}` has no key `{key}`; {near}it takes {keys}", near = near_key(key, keys))]
     UnknownKey {
         /// Shape.
         name: String,
@@ -62,6 +67,10 @@ pub enum ParsePhantomError {
     /// The grid is impossible.
     #[error(transparent)]
     Volume(#[from] VolumeError),
+}
+
+fn near_key(key: &str, keys: &str) -> String {
+    did_you_mean(key, &keys.split(", ").collect::<Vec<_>>())
 }
 
 impl Phantom {
@@ -259,6 +268,8 @@ mod tests {
     fn refusals_say_what_is_accepted() {
         let message = |spec: &str| Phantom::from_spec(spec).err().expect(spec).to_string();
         assert!(message("phantom:cube").contains("ball, ellipsoid"));
+        assert!(message("phantom:bal").contains("did you mean ball"));
+        assert!(message("phantom:ball?raduis=10").contains("no key `raduis`; did you mean radius? it takes"));
         assert!(
             message("phantom:ball?radii=1,2,3").contains("it takes radius, spacing, rotate, shift, jitter")
         );

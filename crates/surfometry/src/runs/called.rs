@@ -3,6 +3,7 @@
 use super::label_scales::LabelScales;
 use super::label_words::{GroupWords, LabelWord};
 use super::{Plan, RunError, SelectionWords};
+use crate::text::{SHOWN_LABELS, listed, nearest, question};
 use crate::volume::{LabelGroup, LabelSelection, LabelTable, VolumeError, without_repeats};
 use serde::{Deserialize, Serialize};
 
@@ -166,13 +167,6 @@ fn label_called(name: &str, table: &LabelTable) -> Result<LabelGroup, RunError> 
     Err(RunError::NoSuchName { name: name.to_owned(), told, nameless: table.all_names().next().is_none() })
 }
 
-/// Names that are shown of those that there are.
-const SHOWN: usize = 20;
-/// Names that are suggested.
-const SUGGESTED: usize = 3;
-/// Likeness (Jaro and Winkler's, 0 to 1) from which a name may have been meant.
-const ALIKE: f64 = 0.75;
-
 fn unknown(name: &str, table: &LabelTable) -> String {
     let names: Vec<&str> = table.all_names().collect();
     if names.is_empty() {
@@ -181,24 +175,7 @@ fn unknown(name: &str, table: &LabelTable) -> String {
     // As they are to be written.
     let word = |name: &&str| LabelWord::Name((*name).to_owned()).to_string();
     let near: Vec<String> = nearest(name, &names).iter().map(word).collect();
-    let shown: Vec<String> = names.iter().take(SHOWN).map(word).collect();
-    let meant = if near.is_empty() { String::new() } else { format!("did you mean {}? ", near.join(" or ")) };
-    let more = names.len().saturating_sub(SHOWN);
-    let more = if more == 0 { String::new() } else { format!(" and {more} more") };
-    format!("{meant}Names are {}{more}", shown.join(", "))
-}
-
-fn nearest<'a>(name: &str, names: &[&'a str]) -> Vec<&'a str> {
-    let lower = name.to_lowercase();
-    let likeness = |known: &str| {
-        let known = known.to_lowercase();
-        // A part of a name comes first: `kidney` of `kidney_left`.
-        if known.contains(&lower) { 1.0 } else { strsim::jaro_winkler(&lower, &known) }
-    };
-    let mut alike: Vec<(f64, &str)> = names.iter().map(|&known| (likeness(known), known)).collect();
-    alike.retain(|(likeness, _)| *likeness >= ALIKE);
-    alike.sort_by(|a, b| b.0.total_cmp(&a.0));
-    alike.into_iter().take(SUGGESTED).map(|(_, known)| known).collect()
+    format!("{}Names are {}", question(&near), listed(names.iter().map(word), SHOWN_LABELS))
 }
 
 /// An error of objects that do not occur, with the name of the one that is missing.

@@ -4,7 +4,11 @@ use super::{BesideRole, RunError};
 use crate::inputs::InputError;
 use crate::io::ReadError;
 use crate::measurement::MeasureError;
+use crate::phantoms::PHANTOM_NAMES;
+use crate::text::question;
 use crate::volume::VolumeError;
+use std::io::ErrorKind;
+use std::path::Path;
 
 /// What helps against an error.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -56,5 +60,65 @@ impl Cure {
             VolumeError::NoSuchLabel { .. } => Some(Self::Label),
             _ => None,
         }
+    }
+}
+
+/// What may have been meant by an input that is not there: a file of a like name beside it, or a built-in shape.
+pub(super) fn meant_instead(input: &str, error: &RunError) -> Option<String> {
+    let RunError::Input(InputError::Read(error)) = error else { return None };
+    let is_shape = PHANTOM_NAMES.contains(&input.split('?').next().unwrap_or_default());
+    if is_shape && !Path::new(input).exists() {
+        return Some(format!("did you mean phantom:{input}?"));
+    }
+    let ReadError::Io { path, source } = error else { return None };
+    if source.kind() != ErrorKind::NotFound || path != Path::new(input) {
+        return None;
+    }
+    if input == "phantom" {
+        return Some("a built-in shape is written as phantom:torus".to_owned());
+    }
+    let near = files_like(path);
+    (!near.is_empty()).then(|| question(&near).trim_end().to_owned())
+}
+
+/// Likeness (Jaro and Winkler's, 0 to 1) from which a file may have been meant.
+const ALIKE: f64 = 0.9;
+/// Files that are suggested, and entries of a folder that are looked at.
+const SUGGESTED: usize = 2;
+const LOOKED_AT: usize = 10_000;
+
+/// Names in the folder of a file that are like its own, the likest first; not those of the same series, which differ in digits.
+fn files_like(path: &Path) -> Vec<String> {
+    let Some(name) = path.file_name().map(|name| name.to_string_lossy()) else { return Vec::new() };
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let without_digits = |name: &str| name.replace(|c: char| c.is_ascii_digit(), "");
+    let own = without_digits(&name);
+    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten().take(LOOKED_AT);
+    let names = entries.filter_map(|entry| entry.file_name().into_string().ok());
+    let mut alike: Vec<(f64, String)> = names
+        .filter(|other| without_digits(other) != own)
+        .map(|other| (strsim::jaro_winkler(&name, &other), other))
+        .filter(|(likeness, _)| *likeness >= ALIKE)
+        .collect();
+    alike.sort_by(|a, b| b.0.total_cmp(&a.0).then_with(|| a.1.cmp(&b.1)));
+    alike.into_iter().take(SUGGESTED).map(|(_, name)| name).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn files_of_like_names() {
+        let folder = tempfile::tempdir().unwrap();
+        for name in ["scan.nii.gz", "scan7.nii", "other.mha"] {
+            std::fs::write(folder.path().join(name), "").unwrap();
+        }
+        let like = |name: &str| files_like(&folder.path().join(name));
+        assert_eq!(like("scan.nii"), ["scan.nii.gz"]);
+        assert_eq!(like("scna.nii.gz"), ["scan.nii.gz"]);
+        // Another one of the series is no slip.
+        assert!(like("scan8.nii").iter().all(|name| name != "scan7.nii"));
+        assert!(like("femur.nrrd").is_empty() && files_like(Path::new("/nowhere/scan.nii")).is_empty());
     }
 }

@@ -186,6 +186,11 @@ impl FromStr for LabelWord {
         if word.starts_with(['\'', '"']) {
             return unquoted(word).map(|name| Self::Name(name.to_owned())).ok_or_else(slip);
         }
+        if let Some(meant) = as_written_here(word) {
+            return Err(WordError(format!(
+                "`{text}` is no label: write {meant}; a name like that stands in quotes"
+            )));
+        }
         match word.parse() {
             Ok(label) if label != 0 => Ok(Self::Number(label)),
             _ if is_no_name(word) => Err(slip()),
@@ -201,6 +206,18 @@ fn is_no_name(word: &str) -> bool {
         || word == "all"
         || word.parse::<f64>().is_ok()
         || range(word).is_some()
+        || as_written_here(word).is_some()
+}
+
+/// How numbers are written that other signs than ours stand between, as `20:22`, `20..22` or `20 21`.
+fn as_written_here(word: &str) -> Option<String> {
+    let is_number = |part: &&str| !part.is_empty() && part.bytes().all(|byte| byte.is_ascii_digit());
+    let ends = [":", "..", "\u{2013}"].into_iter().find_map(|sign| word.split_once(sign));
+    if let Some((first, last)) = ends.filter(|(first, last)| is_number(first) && is_number(last)) {
+        return Some(format!("`{first}-{last}` (each from {first} to {last}) or `{first},{last}` (two)"));
+    }
+    let parts: Vec<&str> = word.split([' ', ';']).filter(|part| !part.is_empty()).collect();
+    (parts.len() > 1 && parts.iter().all(is_number)).then(|| format!("`{}`", parts.join(",")))
 }
 
 /// The parts between separators that are not in quotes; an apostrophe within a name is none.
@@ -255,11 +272,19 @@ mod tests {
         for slip in ["", "0", "1,,2", "1+", "1.5", "''", "liver,", "3-1", "2-2", "1-90000", "1-3+7"] {
             assert!(slip.parse::<SelectionWords>().is_err(), "{slip}");
         }
+        for (slip, meant) in
+            [("20:22", "`20-22`"), ("20..22", "`20-22`"), ("20 21", "`20,21`"), ("1;2 ; 3", "`1,2,3`")]
+        {
+            let told = slip.parse::<SelectionWords>().unwrap_err().to_string();
+            assert!(told.contains(meant), "{slip}: {told}");
+        }
     }
 
     #[test]
     fn what_is_written_is_read_again() {
-        for text in ["all", "1,2+3", "liver,'a,b'", "\"Crohn's, old\"", "'12'+'all'", "'x=2'"] {
+        for text in
+            ["all", "1,2+3", "liver,'a,b'", "\"Crohn's, old\"", "'12'+'all'", "'x=2'", "'20:22'", "T12:L1"]
+        {
             let words: SelectionWords = text.parse().unwrap();
             assert_eq!(words.to_string(), text);
             assert_eq!(words.to_string().parse::<SelectionWords>().unwrap(), words);
