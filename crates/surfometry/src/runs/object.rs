@@ -3,9 +3,9 @@
 use super::beside::{Beside, without_region};
 use super::fingerprint::Fingerprint;
 use super::{ExplainTopology, Failure, Plan, Record, RunError};
-use crate::accuracy::Flag;
+use crate::accuracy::{Flag, FlagCode};
 use crate::inputs::{Preparations, PreparedObject, input_title};
-use crate::measurement::{Looked, Measured, Object, Regions, settled};
+use crate::measurement::{Looked, Measured, Object, RegionMembership, Regions, settled};
 use crate::phantoms::Truth;
 use crate::surface::Surface;
 use crate::tiling::WorkTime;
@@ -50,6 +50,8 @@ pub struct InputObject {
     pub object: Object,
     /// The same in the embedding that its surface is mapped in, where that is another one.
     pub(super) local: Option<Object>,
+    /// The sigma of all of its surface, mm, where each vertex was to have one of its own and the mask may be noisy.
+    pub(super) one_scale_mm: Option<f64>,
     /// How it is measured again where that is doubtful.
     pub(super) recovering: Option<Measurement>,
     pub(super) surface: OnceLock<Surface>,
@@ -110,6 +112,11 @@ impl InputObject {
         self.facts.beside.regions.as_deref()
     }
 
+    /// Where its surface and voxels belong.
+    pub(super) fn membership<'a>(&'a self, regions: &'a Regions) -> RegionMembership<'a> {
+        self.object.membership(regions)
+    }
+
     /// The same, to keep more at its vertices.
     pub(super) fn surface_mut(&mut self) -> Option<&mut Surface> {
         self.surface();
@@ -147,6 +154,12 @@ impl InputObject {
         Ok(Self { object, measured: Some(measured), ..self })
     }
 
+    /// The same where its surface is not that of the embedding in which it is measured: numbers and warnings are then those
+    /// of `measure`, not of a blur that is not shown.
+    pub(super) fn settled_beside_map(self) -> Result<Self, RunError> {
+        if self.local.is_some() { self.settled() } else { Ok(self) }
+    }
+
     /// Its numbers, and where its topology changes, as far as that is asked.
     pub(super) fn explained(&self) -> Measured {
         let mut measured = self.measured.clone().unwrap_or_else(|| self.object.measure());
@@ -171,12 +184,25 @@ impl InputObject {
         self.facts.flags.iter().cloned().chain(prepared_flags(self.preparation()))
     }
 
+    /// That its surface has one scale, with what is said of noise already.
+    fn tell_of_one_scale(&self, flags: &mut Vec<Flag>) {
+        let Some(sigma) = self.one_scale_mm else { return };
+        let told = format!(
+            "the surface is mapped at one scale, sigma {sigma:.3} mm, not at one that suits each place"
+        );
+        match flags.iter_mut().find(|flag| flag.code == FlagCode::NoisyMask) {
+            Some(flag) => flag.message = format!("{}; {told}", flag.message),
+            None => flags.push(Flag::new(FlagCode::NoisyMask, format!("the mask may be noisy: {told}"))),
+        }
+    }
+
     /// Measures it.
     pub fn record(&self) -> Record {
         let mut measured = self.explained();
         let beside = &self.facts.beside;
         let regions = beside.regions.as_ref().map(|regions| self.object.regions(&measured, regions));
         measured.flags.splice(0..0, self.input_flags());
+        self.tell_of_one_scale(&mut measured.flags);
         measured.flags.extend(self.flags_beside.iter().cloned());
         measured.flags.extend(regions.as_deref().and_then(without_region));
         Record {

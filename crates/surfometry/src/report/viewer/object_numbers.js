@@ -2,12 +2,8 @@
 
 const MEASURES = ["volume_mm3", "surface_area_mm2", "total_mean_curvature_mm", "average_mean_curvature_per_mm"];
 
-function toldFlags(result) {
-  return result.flags.filter(flag => flag.code !== "not-computed");
-}
-
 function flagList(result) {
-  const flags = toldFlags(result);
+  const { flags } = result;
   if (!flags.length) return element("p", { class: "lead" }, "No flags.");
   return element("ul", { class: "flags" }, ...flags.map(flag => element("li", {}, element("b", {}, flag.code), ": ", flag.message)));
 }
@@ -24,10 +20,12 @@ function valuesTable(result) {
       rows.push(["its standard error", ...MEASURES.map(measure => errors[measure] === null ? "–" : "± " + toItsError(errors[measure], errors[measure])), ""]);
     }
   }
-  const { topology } = result;
+  const { topology, parameters } = result;
+  // As the command line calls it.
+  const field = parameters.sigma_mm && parameters.embedding !== "recovering" ? "blurred" : parameters.embedding;
   rows.push(
-    [result.parameters.sigma_mm ? "blurred" : result.parameters.embedding, ...values(result.blurred), `${thousandths(result.blurred.euler_characteristic)} by Gauss and Bonnet`],
-    ["mesh of the blurred", ...values(result.mesh).slice(0, 2), "", "", `${digits(topology.euler_characteristic_mesh)} as V − E + F`],
+    [field, ...values(result.blurred), `${thousandths(result.blurred.euler_characteristic)} by Gauss and Bonnet`],
+    [`mesh of the ${field}`, ...values(result.mesh).slice(0, 2), "", "", `${digits(topology.euler_characteristic_mesh)} as V − E + F`],
     ["voxels", digits(result.voxels.volume_mm3), "", "", "", `${digits(topology.euler_characteristic_voxels_26)} (26), ${digits(topology.euler_characteristic_voxels_6)} (6)`]);
   if (result.truth) rows.push(["exact", ...values(result.truth), digits(result.truth.euler_characteristic)]);
   return element("div", { class: "numbers" }, table(header, rows),

@@ -32,7 +32,7 @@ function placesPart(result, viewer, slices) {
     viewer.view.marks = changes.slice(0, LISTED).map((change, n) =>
       ({ position: change.position_mm, text: String(n + 1), color: change.stage === "blur" ? "#b3261e" : "#5d6b7c" }));
   }
-  const clouds = viewer ? viewer.scene.head.clouds.map(cloud => cloudItem(cloud, viewer)) : [];
+  const clouds = viewer ? viewer.scene.head.clouds.map(cloud => cloudItem(cloud, viewer, result.flags)) : [];
   if (!items.length && !clouds.length) return null;
   const rest = changes.length > LISTED && element("p", { class: "lead" }, `The ${LISTED} widest of ${changes.length} changes of topology.`);
   return part("Places",
@@ -41,7 +41,7 @@ function placesPart(result, viewer, slices) {
     items.length > 0 && element("ol", { class: "places" }, ...items), rest);
 }
 
-function cloudItem(cloud, viewer) {
+function cloudItem(cloud, viewer, flags) {
   const { head, bytes } = viewer.scene, [text, color] = CLOUDS[cloud.kind];
   const voxels = integers(bytes, cloud.voxels);
   const positions = new Float32Array(voxels.length);
@@ -55,7 +55,9 @@ function cloudItem(cloud, viewer) {
   const swatch = element("span", { class: "swatch" });
   swatch.style.background = css(color);
   const shown = voxels.length / 3 < cloud.count ? `, ${voxels.length / 3} of them drawn` : "";
+  // Of a few voxels no flag is raised.
+  const raised = flags.some(flag => flag.code === FLAGS_OF_CLOUDS[cloud.kind]) ? ` (${FLAGS_OF_CLOUDS[cloud.kind]})` : "";
   return element("li", {}, element("label", {},
     element("input", { type: "checkbox", checked: drawing.shown, "data-cloud": cloud.kind, onchange: toggle }), " ", swatch,
-    `${cloud.count} ${text} (${FLAGS_OF_CLOUDS[cloud.kind]})${shown}`));
+    `${cloud.count} ${text}${raised}${shown}`));
 }

@@ -19,7 +19,7 @@ function searchable(text) {
 class ObjectTable {
   constructor(page, onchange) {
     Object.assign(this, { page, onchange, sorted: null, search: "", chosen: new Set(), cells: new Map() });
-    this.rows = page.objects.map((object, number) => ({ number, ...object, flags: toldFlags(object.result).map(flag => flag.code) }));
+    this.rows = page.objects.map((object, number) => ({ number, ...object, flags: object.result.flags.map(flag => flag.code) }));
     this.rows.forEach(row => { row.words = searchable([row.title, row.result.input, ...row.flags].join(" ")); });
     this.body = element("tbody", {});
     this.count = element("span", { class: "lead count", "aria-live": "polite" });
