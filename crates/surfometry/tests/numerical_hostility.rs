@@ -192,6 +192,8 @@ fn choices_without_sense() {
         Measurement::default().level(0.0),
         Measurement::default().level(1.0),
         Measurement::default().level(f64::NAN),
+        // Nothing is given back from a blur of so many voxels, in minutes.
+        Measurement::default().embedding(EmbeddingKind::Recovering).sigma_mm(13.0),
     ] {
         let name = format!("{measurement:?}");
         in_time(&name, || match measurement.run(mask.clone()) {

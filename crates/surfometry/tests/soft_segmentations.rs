@@ -108,7 +108,7 @@ fn curvature_has_a_tenth_of_the_masks_noise() {
     assert!(10.0 * ours < masks, "{ours} {masks}");
 }
 
-/// An image of zeros and ones is a mask: all numbers, flags and the surface are the same, to the bit.
+/// An image of zeros and ones is a mask: all numbers, codes of flags and the surface are the same, to the bit.
 #[test]
 fn zeros_and_ones_are_a_mask() {
     let phantom = phantom(Torus { major: 14.0, minor: 6.0 }, poses()[0], [0.9, 1.0, 1.2]);
@@ -122,6 +122,10 @@ fn zeros_and_ones_are_a_mask() {
         assert_eq!(found.parameters.embedding, EmbeddingKind::Probability);
         found.parameters.embedding = EmbeddingKind::Gaussian;
         found.timings = expected.timings;
+        // What helps is another embedding for masks alone.
+        for (soft, hard) in found.flags.iter_mut().zip(&expected.flags) {
+            soft.message.clone_from(&hard.message);
+        }
         assert_eq!(found, expected);
         assert_eq!(soft.surface(), hard.surface());
     }

@@ -24,6 +24,16 @@ fn cuboid(lower: [f64; 3], upper: [f64; 3]) -> Mesh {
     Mesh { vertices, triangles }
 }
 
+/// A mesh as wide and high as this has 10^10 rows of voxels, each to be looked for in each triangle.
+#[test]
+fn more_rows_than_can_be_looked_at_are_refused() {
+    let mesh = cuboid([0.0; 3], [3.0, 1e5, 1e5]);
+    let refused = VoxelisedMesh::new(&mesh, Spacing::new([1.0; 3]).unwrap()).unwrap_err();
+    assert!(matches!(refused, VoxeliseError::TooLarge { .. }), "{refused}");
+    // Coarser, it is what it is: 100 x 100 rows and a voxel.
+    assert_eq!(voxels(&mesh, [3.0, 1e3, 1e3]).voxels(), 10_000);
+}
+
 /// Faces, edges and corners that pass exactly through voxel centres: each centre on the lower side is in,
 /// each on the upper out, or the other way, but none twice or not at all.
 #[test]

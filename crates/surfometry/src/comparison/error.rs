@@ -127,12 +127,14 @@ pub enum TableError {
         object: String,
     },
     /// A column that is not there.
-    #[error("{path}: there is no column `{column}`; columns of numbers are {known}", path = path.display())]
+    #[error("{path}: there is no column `{column}`; {near}columns of numbers are {known}", path = path.display())]
     NoColumn {
         /// The file.
         path: PathBuf,
         /// The column.
         column: String,
+        /// A question whether one of those that are was meant; empty, or a space is behind it.
+        near: String,
         /// Those that are.
         known: String,
     },

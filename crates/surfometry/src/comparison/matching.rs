@@ -1,7 +1,8 @@
 //! Which rows of two tables are of the same object.
 
 use super::{ObjectKey, Row, Table, TableError};
-use crate::inputs::{Kind, known_stem};
+use crate::inputs::Kind;
+use crate::io::known_stem;
 use std::collections::{BTreeMap, HashSet};
 use std::path::{Component, Path};
 

@@ -4,6 +4,7 @@ use super::table::FLAGS;
 use super::variants::AT;
 use super::{ColumnPair, Matching, ObjectKey, Row, Table, TableError};
 use crate::statistics::{Agreement, Bootstrap, ConfusionMatrix, EulerRounding, Paired};
+use crate::text::did_you_mean;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -212,10 +213,12 @@ fn named(method: &Table, standard: &Table, columns: &[ColumnPair]) -> Result<Vec
 fn required(table: &Table, column: &str) -> Result<Vec<String>, TableError> {
     let found: Vec<String> = table.variants_of(column).into_iter().map(str::to_owned).collect();
     if found.is_empty() {
+        let known = table.numeric_columns();
         return Err(TableError::NoColumn {
             path: table.path.clone(),
             column: column.to_owned(),
-            known: table.numeric_columns().join(", "),
+            near: did_you_mean(column, &known),
+            known: known.join(", "),
         });
     }
     Ok(found)

@@ -3,7 +3,7 @@
 use super::TableError;
 use super::decimals::Decimals;
 use super::sheet::Sheet;
-use crate::runs::FORMULA;
+use crate::text::FORMULA;
 use csv::StringRecord;
 use serde::Serialize;
 use std::collections::{BTreeMap, HashMap, HashSet};

@@ -17,7 +17,7 @@ mod smeared;
 
 pub use band::Band;
 pub use globals::Globals;
-pub use partial::{NarrowVoxels, Observer, Partial, SurfaceIntegrals};
+pub use partial::{BandGeometry, NarrowVoxels, Observer, Partial, SurfaceIntegrals};
 pub use quadrature::{Quadrature, QuadratureRule};
 pub use smeared::{SmearedDelta, Smearing};
 
@@ -45,7 +45,7 @@ pub fn integrate_boxes<D: Differentiation + ?Sized>(
             tile,
             band,
             quadrature,
-            Observer { look: &mut |_| {}, summing: &mut Duration::default() },
+            Observer { look: &mut |_, _| {}, summing: &mut Duration::default() },
         )
     };
     boxes.par_iter().map(part).reduce(Partial::default, |a, b| a.merged(&b))

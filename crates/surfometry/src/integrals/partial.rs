@@ -2,7 +2,7 @@
 
 use super::{Band, Quadrature};
 use crate::embedding::Precision;
-use crate::local_geometry::{BandVoxels, Curvature, Differentiation, Jet, TileField};
+use crate::local_geometry::{BAND_CAPACITY, BandVoxels, Curvature, Differentiation, Jet, TileField};
 use crate::tiling::{Block, ExactSum, IndexBox};
 use crate::vectors;
 use fearless_simd::dispatch;
@@ -136,10 +136,25 @@ impl NarrowVoxels {
 
 /// Who looks on while a tile is summed.
 pub struct Observer<'a> {
-    /// Sees the voxels of the band.
-    pub look: &'a mut dyn FnMut(&BandVoxels),
+    /// Sees the voxels of the band, and what is known of the surface through each.
+    pub look: &'a mut dyn FnMut(&BandVoxels, &BandGeometry),
     /// The time that summing and looking take, not differentiating, is added to it.
     pub summing: &'a mut Duration,
+}
+
+/// What is known of the surfaces of constant value through some voxels of a band.
+#[derive(Debug, Clone)]
+pub struct BandGeometry {
+    /// |grad phi|; what follows the last voxel's is of no meaning.
+    pub gradients: [f64; BAND_CAPACITY],
+    /// H, 1/mm; not a number where there is no normal.
+    pub mean_curvatures: [f64; BAND_CAPACITY],
+}
+
+impl Default for BandGeometry {
+    fn default() -> Self {
+        Self { gradients: [0.0; BAND_CAPACITY], mean_curvatures: [f64::NAN; BAND_CAPACITY] }
+    }
 }
 
 impl Partial {
@@ -169,7 +184,7 @@ impl Partial {
                 scheme.visit_band(field, tile, half_width, &mut |voxels| {
                     let start = Instant::now();
                     dispatch!(vectors::level(), _simd => sums.add(voxels, band, &weights));
-                    look(voxels);
+                    look(voxels, &sums.geometry);
                     *summing += start.elapsed();
                 });
                 partial.add_sums(beyond, &sums);
@@ -274,6 +289,8 @@ pub(super) struct BandSums {
     voxels: u64,
     without_normal: u64,
     narrow: [NarrowVoxels; 2],
+    /// Of the voxels that were added last.
+    geometry: BandGeometry,
 }
 
 impl BandSums {
@@ -294,7 +311,9 @@ impl BandSums {
             if !weights.uniform {
                 weight.iter_mut().zip(&mut indices).for_each(|(w, index)| *w = weights.at(index));
             }
-            let gradients = self.add_lanes(columns, &weight, band);
+            let [gradients, mean_curvatures] = self.add_lanes(columns, &weight, band);
+            self.geometry.gradients[start..][..LANES].copy_from_slice(&gradients);
+            self.geometry.mean_curvatures[start..][..LANES].copy_from_slice(&mean_curvatures);
             let is_narrow = |lane: usize| band.is_narrow(columns[0][lane], gradients[lane]);
             if (0..count).any(is_narrow) {
                 let lanes = voxels.indices().skip(start).take(count).enumerate();
@@ -309,10 +328,10 @@ impl BandSums {
         }
     }
 
-    /// Adds voxels; their gradients.
+    /// Adds voxels; their [`BandGeometry`].
     #[inline(always)]
-    fn add_lanes(&mut self, columns: [&Lanes; 10], weight: &Lanes, band: &Band) -> Lanes {
-        let mut gradients = [0.0; LANES];
+    fn add_lanes(&mut self, columns: [&Lanes; 10], weight: &Lanes, band: &Band) -> [Lanes; 2] {
+        let [mut gradients, mut mean_curvatures] = [[0.0; LANES]; 2];
         let (delta, heaviside) = band.delta().lanes(columns[0]);
         let mut curvatures = [Curvature { mean_curvature: 0.0, gaussian_curvature: 0.0 }; LANES];
         let (mut areas, mut without) = ([0.0; LANES], [0.0; LANES]);
@@ -336,6 +355,7 @@ impl BandSums {
             let tilted = (NEAR_AXIS * gradient..along_axis).contains(&most);
             self.tilted[lane] += if tilted { areas[lane] } else { 0.0 };
             without[lane] = if stands { 0.0 } else { 1.0 };
+            mean_curvatures[lane] = if stands { curvature.mean_curvature } else { f64::NAN };
             curvatures[lane] = Curvature {
                 mean_curvature: if stands { curvature.mean_curvature } else { 0.0 },
                 gaussian_curvature: if stands { curvature.gaussian_curvature } else { 0.0 },
@@ -347,7 +367,7 @@ impl BandSums {
             // A quadrature's weights are never 0.
             self.without_normal += u64::from(without[lane] > 0.0 && weight[lane] > 0.0);
         }
-        gradients
+        [gradients, mean_curvatures]
     }
 }
 

@@ -29,7 +29,7 @@ choices!(Clip, "clip": {
 
 /// How far from a cut the measured part ends, in units of sigma. What the mirror image gets wrong weighs g(3)
 /// = 0.4 % there.
-const RIM: f64 = 3.0;
+pub(super) const RIM: f64 = 3.0;
 /// How far an object is continued beyond the image, in units of the widest blur: further than its kernel reaches (5 at most by
 /// default, and what is cut off beyond 6 is 1e-9).
 const CONTINUED: f64 = 6.0;

@@ -1,12 +1,11 @@
 //! What makes the surfaces of two images of an object comparable.
 
+use super::clip::RIM;
 use super::object::Content;
 use super::{EmbeddingKind, Measurement, Object};
 use crate::accuracy::PositionNoise;
 use crate::volume::FieldOfView;
 
-/// How far a cut is told by a surface, in units of sigma: as far as `Clip::Exclude` stays away from it.
-const REACH: f64 = 3.0;
 /// The least, in voxels, of a cap that nothing blurs.
 const LEAST: f64 = 1.5;
 
@@ -37,7 +36,8 @@ impl Object {
             return Some(whole.without([[0.5; 2]; 3]));
         }
         let (bounds, spacing) = (self.mask.bounds(), self.grid().spacing().mm());
-        let reach = REACH * parameters.sigma_mm.unwrap_or_default();
+        // As far as `Clip::Exclude` stays away from a cut.
+        let reach = RIM * parameters.sigma_mm.unwrap_or_default();
         let cut = |is_cut: bool, a: usize| if is_cut { (reach / spacing[a]).max(LEAST) } else { 0.0 };
         let cuts =
             |a: usize| [cut(bounds.lower[a] == image.lower[a], a), cut(bounds.upper[a] == image.upper[a], a)];
@@ -51,8 +51,7 @@ impl Object {
     pub fn position_noise(&self) -> Option<PositionNoise> {
         let parameters = &self.setup.parameters;
         let is_mask = matches!(self.content, Content::Mask(_) | Content::Corrected(..));
-        let has_one_scale = self.setup.measurement.radius_of_scales.is_none();
-        parameters.compensable_sigma().filter(|_| is_mask && has_one_scale)?;
+        parameters.compensable_sigma().filter(|_| is_mask && !self.has_scales_of_vertices())?;
         Some(PositionNoise::new(self.grid(), parameters.sigma_mm?, parameters.embedding.is_corrected()))
     }
 }

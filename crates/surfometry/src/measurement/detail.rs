@@ -4,6 +4,7 @@
 //! compensation undoes, and rounds the voxels' corners; what lies on the wrong side of phi = 0 further than
 //! both explain is detail that is lost, or a gap that is filled, and no compensation brings it back.
 
+use super::warnings::RECOVER;
 use crate::accuracy::{Flag, FlagCode, place_text};
 use crate::integrals::Band;
 use crate::local_geometry::{BandVoxels, Curvature, Differentiation, FieldBlock, Jet, TileField};
@@ -105,8 +106,8 @@ impl Detail {
 const TOLD: f64 = 0.005;
 
 impl Detail {
-    /// A warning where more of a surface than counts is lost.
-    pub(super) fn flag(&self, surface_area: f64, grid: &Grid) -> Option<Flag> {
+    /// A warning where more of a surface than counts is lost, by a blur or by what recovers what one loses.
+    pub(super) fn flag(&self, surface_area: f64, grid: &Grid, recovered: bool) -> Option<Flag> {
         let spacing = grid.spacing();
         let share = self.area(spacing) / surface_area;
         if share < TOLD {
@@ -115,13 +116,19 @@ impl Detail {
         let side = |voxels: &WrongVoxels, what: &str| {
             let at = grid.affine().apply(voxels.deepest?.1.map(|v| v as f64));
             let place = place_text(at, spacing.smallest());
-            Some(format!("{} {what}, the deepest at {place}", voxels.voxels))
+            let plural = if voxels.voxels == 1 { "" } else { "s" };
+            Some(format!("{} voxel{plural} {what}, the deepest at {place}", voxels.voxels))
         };
-        let sides = [side(&self.lost, "voxels lost"), side(&self.filled, "voxels of gaps filled")];
+        let sides = [side(&self.lost, "lost"), side(&self.filled, "of gaps filled")];
         let sides: Vec<String> = sides.into_iter().flatten().collect();
+        let (what, cure) = if recovered {
+            ("the recovering embedding", "only a finer scan tells more")
+        } else {
+            ("the blur", RECOVER)
+        };
         let message = format!(
-            "the blur does not give the object back: {}, about {:.1} % of its surface; no compensation brings that back, and the errors of area and \
-             curvature are as large: use a smaller sigma, or the recovering embedding",
+            "{what} does not give the object back: {}, about {:.1} % of its surface; no compensation brings that back, and the errors of area and \
+             curvature are as large; {cure}",
             sides.join(", "),
             100.0 * share
         );

@@ -10,7 +10,7 @@ use super::result::{
 };
 use super::setup::Setup;
 use super::voxels::VoxelCounts;
-use super::warnings::{Evidence, NarrowPlace, raise_flags};
+use super::warnings::{Evidence, FLAT_SHARE_RECOVERED, NarrowPlace, flat_faces, raise_flags};
 use crate::accuracy::{
     CompensationTerms, ErrorModel, Flag, FlagCode, band_variance, compensation_terms, mm_text, shear_errors,
     sheared,
@@ -139,14 +139,18 @@ impl Setup {
         flags.extend(raise_flags(evidence));
         flags.extend(with_surface.and_then(|integrals| self.soft?.flag(self.original_area(&integrals))));
         flags.extend(totals.recovered.and_then(|recovered| recovered.summary.flag()));
+        let recovered_area =
+            totals.recovered.zip(with_surface).map(|(recovered, of)| (recovered, of.surface.area));
+        flags.extend(
+            recovered_area
+                .and_then(|(recovered, area)| flat_faces(recovered.faces(), area, FLAT_SHARE_RECOVERED)),
+        );
         // What was taken for noise is told of as such.
         let noisy = totals.recovered.is_some_and(|recovered| recovered.summary.noisy);
         let original = self.described() == DescribedSurface::Original && !noisy;
-        flags.extend(
-            with_surface
-                .filter(|_| original)
-                .and_then(|integrals| totals.sums.detail.flag(integrals.surface.area, &self.grid)),
-        );
+        flags.extend(with_surface.filter(|_| original).and_then(|integrals| {
+            totals.sums.detail.flag(integrals.surface.area, &self.grid, totals.recovered.is_some())
+        }));
         flags
     }
 
@@ -348,7 +352,7 @@ fn large_error(values: &SurfaceValues, errors: &SurfaceValues, recovered: bool) 
         if recovered {
             "voxels; only a finer scan tells more"
         } else {
-            "blur; use a smaller sigma, or scan finer"
+            "blur; leave a sigma that was chosen out, or scan finer"
         }
     );
     (share > LARGE_ERROR).then(|| Flag::new(FlagCode::LargeError, message))

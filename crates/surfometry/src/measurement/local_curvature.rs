@@ -80,7 +80,7 @@ impl Measurement {
     ) -> Result<Self, MeasureError> {
         if scale != CurvatureScale::AsMeasured && !self.embedding.is_blur() {
             return Err(MeasureError::Conflict(
-                "a scale for curvature belongs to the Gaussian and corrected embeddings: leave it out",
+                "a scale for curvature belongs to the embeddings that blur (gaussian, corrected, recovering, probability): leave it out",
             ));
         }
         let local = match scale {

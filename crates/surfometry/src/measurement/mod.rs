@@ -17,6 +17,7 @@ mod parameters;
 mod pass;
 mod probability;
 mod recovery;
+mod region_membership;
 mod region_values;
 mod regions;
 mod result;
@@ -41,6 +42,7 @@ pub use local_curvature::CurvatureScale;
 pub use object::Object;
 pub use parameters::{Derivatives, EmbeddingKind, MeasureError, Padding, Parameters};
 pub use recovery::RecoverySummary;
+pub(crate) use region_membership::RegionMembership;
 pub use regions::{RegionPart, Regions};
 pub use result::{
     BlurredValues, DescribedSurface, GridSummary, Measured, MeshSummary, StageSeconds, SurfaceValues,

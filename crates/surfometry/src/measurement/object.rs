@@ -5,7 +5,7 @@ use super::detail::{Watch, WrongSides};
 use super::evaluation::{OpenPart, Totals};
 use super::local_scales::AtScale;
 use super::pass::{ObjectSums, Pass};
-use super::recovery::{Recovered, RecoverySummary, recovered};
+use super::recovery::{Recovered, RecoverySummary, check_recoverable, recovered};
 use super::scheme::Scheme;
 use super::setup::Setup;
 use super::voxels::VoxelCounts;
@@ -79,6 +79,7 @@ impl Measurement {
         }
         if self.embedding == EmbeddingKind::Recovering {
             Scheme::check_reach(&setup)?;
+            check_recoverable(&setup)?;
             let (corrected, recovered) = recovered(&setup, &mask);
             let content = Content::Corrected(Arc::new(corrected), recovered);
             let (part, preparation) = (None, start.elapsed());
@@ -192,6 +193,11 @@ impl Object {
             Content::Probability(image) => Scheme::of_blur(&self.setup, &**image),
             Content::Field(field) => Some(Scheme::of_field(&self.setup, field)),
         }
+    }
+
+    /// Whether each vertex of its surface has a scale of its own.
+    pub fn has_scales_of_vertices(&self) -> bool {
+        self.setup.measurement.radius_of_scales.is_some()
     }
 
     /// The smeared delta.

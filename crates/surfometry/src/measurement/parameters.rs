@@ -8,6 +8,7 @@ use crate::choice::choices;
 use crate::embedding::{EdgeProfile, TRUNCATION, TRUNCATION_OF_BLUR};
 use crate::integrals::{QuadratureRule, Smearing};
 use crate::local_geometry::MatchedDifferences;
+use crate::text::number;
 use crate::tiling::IndexBox;
 use crate::volume::{Spacing, VolumeError};
 use serde::{Deserialize, Serialize};
@@ -116,7 +117,7 @@ choices!(Derivatives, "kind of derivatives": {
 #[non_exhaustive]
 pub enum MeasureError {
     /// A parameter out of its range.
-    #[error("{name} is {value}: it must be {range}")]
+    #[error("{name} is {}: it must be {range}", number(*.value))]
     OutOfRange {
         /// Parameter.
         name: &'static str,
@@ -130,8 +131,9 @@ pub enum MeasureError {
     Conflict(&'static str),
     /// The band would weigh all of space.
     #[error(
-        "the band is too wide: epsilon is {epsilon:.4}, but at level {level} the blurred field is flat from \
-         {saturation:.4} on; choose a smaller thickness or epsilon, a larger sigma or a level nearer 0.5"
+        "the band is too wide: epsilon is {}, but at level {} the blurred field is flat from {} on; choose a smaller thickness or \
+         epsilon, a larger sigma or a level nearer 0.5",
+        number(*.epsilon), number(*.level), number(*.saturation)
     )]
     BandTooWide {
         /// T.
@@ -143,8 +145,8 @@ pub enum MeasureError {
     },
     /// A blur or band so wide, in voxels, that its neighbourhood does not fit in memory.
     #[error(
-        "{name} {value} mm is {voxels:.0} voxels of {spacing} mm, more than the {most:.0} that can be handled: choose a \
-         smaller {name}, or check the spacing"
+        "{name} {} mm is {} voxels of {} mm, more than the {most:.0} that can be handled: choose a smaller {name}, or check the spacing",
+        number(*.value), number(.voxels.round()), number(*.spacing)
     )]
     TooWide {
         /// Parameter.
@@ -173,8 +175,9 @@ pub enum MeasureError {
     FlatField,
     /// A band that a given field does not leave.
     #[error(
-        "the band is too wide: epsilon is {epsilon:.4}, but the field is nowhere above {highest:.4}, so that all of the background \
-         would count; choose a smaller thickness or epsilon"
+        "the band is too wide: epsilon is {}, but the field is nowhere above {}, so that all of the background would count; choose a \
+         smaller thickness or epsilon",
+        number(*.epsilon), number(*.highest)
     )]
     BandAboveField {
         /// eps.
@@ -382,16 +385,16 @@ impl Measurement {
             ),
             kind if kind.is_blur() => Ok(()),
             // The paper's blur is passed over where there is none.
-            _ if self.level.is_some() || self.sigma.is_some() && !self.paper => {
-                conflict("sigma and level belong to the Gaussian and corrected embeddings: leave them out")
-            }
+            _ if self.level.is_some() || self.sigma.is_some() && !self.paper => conflict(
+                "sigma and level belong to the embeddings that blur (gaussian, corrected, recovering, probability): leave them out",
+            ),
             _ if self.clip == Clip::Exclude => conflict(
                 "to leave the cuts out needs a field that is smooth across them: use the Gaussian or the corrected \
                  embedding",
             ),
             _ if of_blur => conflict(
-                "Gaussian and matched derivatives belong to the Gaussian and corrected embeddings; the distance and given \
-                 embeddings are differentiated by finite differences",
+                "Gaussian and matched derivatives belong to the embeddings that blur (gaussian, corrected, recovering, probability); the distance \
+                 and given embeddings are differentiated by finite differences",
             ),
             _ => Ok(()),
         }

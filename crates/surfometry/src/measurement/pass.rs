@@ -3,7 +3,7 @@
 use super::detail::{Detail, Watch};
 use super::ripples::{CurvatureTile, Ripples};
 use crate::Control;
-use crate::integrals::{Band, Observer, Partial, Quadrature};
+use crate::integrals::{Band, BandGeometry, Observer, Partial, Quadrature};
 use crate::local_geometry::{BandVoxels, Differentiation, FieldValue, TileField};
 use crate::surface::{SurfaceSums, TileMesh, cell_limits};
 use crate::tiling::{IndexBox, Pool, TILE};
@@ -76,6 +76,8 @@ pub(super) struct Pass<'a> {
     pub(super) spacing: Spacing,
     /// Whether the mesh is wanted beside the integrals.
     pub(super) with_surface: bool,
+    /// Whether there is a model of errors that asks for ripples.
+    pub(super) with_ripples: bool,
     /// The part that is summed over, where it is not all.
     pub(super) region: Option<IndexBox>,
     /// Where the tiles begin that are wanted; all where `None`.
@@ -117,8 +119,10 @@ impl Pass<'_> {
         let mut summing = Duration::ZERO;
         let mut detail = self.watch.map(|watch| watch.beyond_band(&field, tile)).unwrap_or_default();
         let mut curvature = CurvatureTile::new(*tile, self.spacing);
-        let look = &mut |voxels: &BandVoxels| {
-            curvature.add(voxels, self.band);
+        let look = &mut |voxels: &BandVoxels, geometry: &BandGeometry| {
+            if self.with_ripples {
+                curvature.add(voxels, geometry);
+            }
             if let Some(watch) = &self.watch {
                 watch.in_band(voxels, &mut detail);
             }

@@ -1,7 +1,7 @@
 //! Objects that their embedding gives back: corrections between the mask and its blur, and what is measured then.
 
-use super::SurfaceValues;
 use super::setup::Setup;
+use super::{MeasureError, SurfaceValues};
 use crate::accuracy::{Flag, FlagCode, SHARED, left_of_terraces, of_average};
 use crate::embedding::{CorrectedMask, Corrections, Price, Recovery};
 use crate::surface::{Creases, Surface, VertexGeometry};
@@ -111,7 +111,8 @@ impl RecoverySummary {
     pub(super) fn flag(&self) -> Option<Flag> {
         let message = format!(
             "the mask is noisy: {} of the {} voxels beside its boundary stand alone on the wrong side of a smooth surface (level {:.3} of a voxel); they \
-             are left to the blur, and detail of their size is not told from them",
+             are left to the blur, and detail of their size is not told from them; the numbers stand, with longer errors; clean the mask where such \
+             voxels are slips",
             self.refused, self.beside, self.noise
         );
         self.noisy.then(|| Flag::new(FlagCode::NoisyMask, message))
@@ -171,6 +172,21 @@ const OF_HOLLOW: f64 = 0.45;
 const EDGES_LOST: [f64; 2] = [0.45, 0.3];
 /// Furthest shift, in geometric mean spacings.
 const FURTHEST: f64 = 0.5;
+
+/// The widest blur, in geometric mean spacings, that an object is given back from: detail is a few of them wide, and wider
+/// blurs of long voxels take minutes (found by fuzz/).
+const MOST_SIGMA: f64 = 12.0;
+
+/// Refuses what would take too long to be given back.
+pub(super) fn check_recoverable(setup: &Setup) -> Result<(), MeasureError> {
+    let spacing = setup.grid.spacing().geometric_mean();
+    let value = setup.parameters.sigma_mm.unwrap_or_default();
+    let voxels = value / spacing;
+    if voxels > MOST_SIGMA {
+        return Err(MeasureError::TooWide { name: "sigma", value, voxels, spacing, most: MOST_SIGMA });
+    }
+    Ok(())
+}
 
 impl Recovered {
     /// By the mesh of phi = 0: a band is wider than thin parts.

@@ -1,12 +1,10 @@
 //! How fast mean curvature changes along a surface, of which the errors of ripples and creases are made
 //! (`accuracy/ripples.rs`).
 
-use crate::integrals::Band;
-use crate::local_geometry::{BAND_CAPACITY, BandVoxels, Curvature, Jet};
+use crate::integrals::BandGeometry;
+use crate::local_geometry::BandVoxels;
 use crate::tiling::{ExactSum, IndexBox};
-use crate::vectors;
 use crate::volume::Spacing;
-use fearless_simd::dispatch;
 use serde::{Deserialize, Serialize};
 
 /// Sum over some voxels of the band.
@@ -51,19 +49,19 @@ impl CurvatureTile {
     }
 
     /// Takes down what is known at voxels of the band.
-    pub(super) fn add(&mut self, voxels: &BandVoxels, band: &Band) {
+    pub(super) fn add(&mut self, voxels: &BandVoxels, geometry: &BandGeometry) {
         // Most tiles have no band.
         self.mean_curvature.resize(self.tile.voxels(), f32::NAN);
-        let count = voxels.len();
-        let mut geometry = [([0.0; 3], f32::NAN); BAND_CAPACITY];
-        dispatch!(vectors::level(), _simd => geometry_of(voxels, &mut geometry[..count], band));
         let [nx, ny, _] = self.tile.extent();
-        for (index, (normal, mean_curvature)) in voxels.indices().zip(geometry) {
+        for (number, index) in voxels.indices().enumerate() {
             let [x, y, z]: [usize; 3] = std::array::from_fn(|a| (index[a] - self.tile.lower[a]) as usize);
             let offset = (z * ny + y) * nx + x;
+            let mean_curvature = geometry.mean_curvatures[number] as f32;
             self.mean_curvature[offset] = mean_curvature;
             // Every other voxel, as on a chessboard, is as good as all.
             if (index[0] + index[1] + index[2]) % 2 == 0 && mean_curvature.is_finite() {
+                let slope = |axis: usize| voxels.column(1 + axis)[number] / geometry.gradients[number];
+                let normal = std::array::from_fn(|axis| slope(axis) as f32);
                 self.places.push(Place { offset: offset as u32, normal });
             }
         }
@@ -97,17 +95,5 @@ impl CurvatureTile {
             across += 0.5 * (a + b) * f64::from(place.normal[axis]);
         }
         Some((square - across * across).max(0.0))
-    }
-}
-
-/// Normals and mean curvatures.
-#[inline(always)]
-fn geometry_of(voxels: &BandVoxels, out: &mut [([f32; 3], f32)], band: &Band) {
-    for (number, out) in out.iter_mut().enumerate() {
-        let jet: Jet = voxels.jet(number);
-        let gradient = jet.gradient_magnitude();
-        let curvature = Curvature::formula(&jet).mean_curvature;
-        let known = if band.stands(gradient) { curvature as f32 } else { f32::NAN };
-        *out = (jet.gradient.map(|slope| (slope / gradient) as f32), known);
     }
 }

@@ -113,6 +113,7 @@ impl Setup {
             quadrature: &self.quadrature,
             spacing: self.grid.spacing(),
             with_surface,
+            with_ripples: self.errors.is_some(),
             region: None,
             tiles: None,
             watch: None,

@@ -66,6 +66,8 @@ const MESH_TOLERANCE: f64 = 0.05;
 /// Share of the area along the grid from which on flat faces are told of. The terraces at the poles of a ball
 /// are up to 1.5 % after the plain blur, and 2.5 % in the corrected embedding at sigma = 2 voxels.
 const FLAT_SHARE: f64 = 0.03;
+/// The same of the recovering embedding, which keeps the terraces of what is nearly flat: thick slices have a tenth.
+pub(super) const FLAT_SHARE_RECOVERED: f64 = 0.25;
 /// Thickness in units of sigma beyond which the corrected embedding's integrals are biased (at 2.5 by 12 % in
 /// V).
 const CORRECTED_THICKNESS: f64 = 1.6;
@@ -75,6 +77,14 @@ const NARROW_SHARE: f64 = 0.005;
 const NARROW_SIGMA: f64 = 1.2;
 /// Share of the saturation from which on the band is said to leave the blurred edge.
 const SATURATED_SHARE: f64 = 0.98;
+
+/// What helps where a blur took something away.
+pub(super) const RECOVER: &str =
+    "use the recovering embedding, as a measurement does by itself where it is free to choose";
+/// Voxels below which an object has no shape to speak of: such are not measured again either.
+const FEW_VOXELS: f64 = 30.0;
+/// Sigma in voxels beyond which it was chosen for another spacing, as the paper's in mm.
+const WIDE_BLUR: f64 = 4.0;
 
 /// The warnings that follow from the numbers.
 pub(super) fn raise_flags(e: &Evidence) -> Vec<Flag> {
@@ -118,6 +128,19 @@ fn grid_flags(e: &Evidence) -> Vec<Flag> {
     flags
 }
 
+/// Where more than some share of a surface lies along the grid: faces by axis and all of the area, mm^2.
+pub(super) fn flat_faces(faces: [f64; 3], area: f64, least: f64) -> Option<Flag> {
+    let flat = faces.iter().sum::<f64>() / area;
+    let message = || {
+        format!(
+            "{:.1} % of the surface lies flat along the voxels, as where an image or a cut ends the object: where such a face is, is known to a \
+             part of a voxel only (it is in the standard errors), and it adds a rim of curvature",
+            100.0 * flat
+        )
+    };
+    (flat > least).then(|| Flag::new(FlagCode::FlatFaces, message()))
+}
+
 fn band_flags(e: &Evidence) -> Vec<Flag> {
     if e.recovering {
         return Vec::new();
@@ -128,9 +151,7 @@ fn band_flags(e: &Evidence) -> Vec<Flag> {
         return vec![Flag::new(FlagCode::NothingBetweenCuts, message)];
     }
     if e.plain.is_none() {
-        let message = "nothing is left inside the level set at this sigma and level, so the integrals are null; use a smaller \
-                       sigma";
-        return vec![Flag::new(FlagCode::SurfaceVanished, message)];
+        return vec![Flag::new(FlagCode::SurfaceVanished, e.vanished())];
     }
     let Some(plain) = e.with_surface() else {
         let message = if e.sigma.is_some() {
@@ -167,15 +188,7 @@ fn band_flags(e: &Evidence) -> Vec<Flag> {
         );
         flags.push(Flag::new(FlagCode::CorrectedBand, message));
     }
-    let flat: f64 = plain.faces.iter().sum::<f64>() / plain.surface.area;
-    if e.sigma.is_some() && flat > FLAT_SHARE {
-        let message = format!(
-            "{:.1} % of the surface lies flat along the voxels, as where an image or a cut ends the object: where such a face is, is known to a \
-             part of a voxel only (it is in the standard errors), and it adds a rim of curvature",
-            100.0 * flat
-        );
-        flags.push(Flag::new(FlagCode::FlatFaces, message));
-    }
+    flags.extend(e.sigma.and_then(|_| flat_faces(plain.faces, plain.surface.area, FLAT_SHARE)));
     if plain.voxels_without_normal > 0 {
         let message = format!(
             "the gradient collapses at {} voxel(s) of the band (less than 5 % of a flat surface's), as half-way through thin \
@@ -277,18 +290,18 @@ fn shape_flags(e: &Evidence) -> Vec<Flag> {
     }
     let (thickness, thin) = (2.0 * plain.volume / plain.surface.area, THIN * sigma);
     let off = e.compensated_volume.map_or(0.0, |v| v / e.voxel_volume - 1.0);
-    let least = mm_text(thin, 3);
+    let (least, cure) = (mm_text(thin, 3), e.cure_of_blur());
     if thickness < thin {
         let thickness = mm_text(thickness, 3);
         let message = format!(
             "the mean thickness 2 V / A = {thickness} mm is below 3 sigma = {least} mm: compensation is incomplete and \
-             thin parts may be gone; use a smaller sigma"
+             thin parts may be gone; {cure}"
         );
         flags.push(Flag::new(FlagCode::ThinForSigma, message));
     } else if off.abs() > VOLUME_TOLERANCE {
         let message = format!(
             "the original's volume is {:+.1} % off the voxels': parts thinner than about 3 sigma = {least} mm are \
-             affected; use a smaller sigma",
+             affected; {cure}",
             100.0 * off
         );
         flags.push(Flag::new(FlagCode::ThinForSigma, message));
@@ -297,7 +310,7 @@ fn shape_flags(e: &Evidence) -> Vec<Flag> {
     if e.compensation_failed() {
         let message = format!(
             "the blur took {:.0} % of the volume away and the original's volume would be {:+.0} % off the voxels', so the original's numbers are \
-             null: sigma is too large for this object, and what is gone cannot be brought back; use a smaller sigma",
+             null: sigma is too large for this object, and what is gone cannot be compensated; {cure}",
             100.0 * (1.0 - plain.volume / e.voxel_volume),
             100.0 * off
         );
@@ -324,15 +337,17 @@ fn narrow_flags(e: &Evidence, sigma: f64, so_far: &[Flag]) -> Vec<Flag> {
     };
     let thin = part.filter(|_| !told).map(|place| {
         let message = format!(
-            "parts are {}: the blur thins or removes them and compensation is incomplete there; use a smaller sigma",
-            about(place)
+            "parts are {}: the blur thins or removes them and compensation is incomplete there; {}",
+            about(place),
+            e.cure_of_blur()
         );
         Flag::new(FlagCode::ThinForSigma, message)
     });
     let narrow = gap.map(|place| {
         let message = format!(
-            "gaps are {}: the blur fills them in part and compensation is incomplete there; use a smaller sigma",
-            about(place)
+            "gaps are {}: the blur fills them in part and compensation is incomplete there; {}",
+            about(place),
+            e.cure_of_blur()
         );
         Flag::new(FlagCode::NarrowGap, message)
     });
@@ -343,6 +358,35 @@ impl Evidence {
     /// The plain integrals where there is a surface.
     fn with_surface(&self) -> Option<Integrals> {
         self.plain.filter(Integrals::has_surface)
+    }
+
+    /// What helps where the blur took something away. A smaller sigma would leave the voxels' stairs in the numbers.
+    fn cure_of_blur(&self) -> &'static str {
+        match self.embedding {
+            EmbeddingKind::Gaussian | EmbeddingKind::Corrected if self.boundary_curvature.is_none() => {
+                RECOVER
+            }
+            _ => "use a smaller sigma",
+        }
+    }
+
+    /// What is said of an object without a surface.
+    fn vanished(&self) -> String {
+        let voxels = self.voxel_volume / self.spacing.cell_volume();
+        if voxels < FEW_VOXELS {
+            return format!(
+                "nothing is left inside the level set, so the integrals are null: an object of fewer than {FEW_VOXELS} voxels (this one \
+                 has {voxels:.0}) has no surface that can be measured at this spacing; scan finer"
+            );
+        }
+        let wide = self.sigma.map(|sigma| (sigma, sigma / self.spacing.geometric_mean()));
+        let wide = wide.filter(|(_, wide)| *wide > WIDE_BLUR).map_or_else(String::new, |(sigma, wide)| {
+            format!(" (sigma is {} mm, {wide:.0} voxels wide)", mm_text(sigma, 4))
+        });
+        format!(
+            "nothing is left inside the level set at this sigma and level{wide}, so the integrals are null; {}",
+            self.cure_of_blur()
+        )
     }
 
     /// Whether compensation gave a volume that the voxels contradict.

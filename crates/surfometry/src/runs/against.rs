@@ -10,8 +10,9 @@ use crate::accuracy::{Flag, FlagCode};
 use crate::inputs::open;
 use crate::measurement::Object;
 use crate::surface::{Placed, Surface, SurfaceChange};
+use crate::text::{SHOWN_LABELS, listed};
 use crate::volume::{
-    LabelGroup, LabelImage, LabelSelection, LabelTable, Mask, Segments, Selected, VolumeError, shortened,
+    LabelGroup, LabelImage, LabelSelection, LabelTable, Mask, Segments, Selected, VolumeError,
 };
 use serde::Serialize;
 use std::collections::BTreeSet;
@@ -115,7 +116,7 @@ impl Against {
         let compared = self.compared.lock().unwrap_or_else(PoisonError::into_inner);
         let labels = image.summaries().iter().map(|label| label.label);
         let left: Vec<i64> = labels.filter(|label| !compared.contains(label)).collect();
-        (!left.is_empty()).then(|| shortened(left.into_iter()))
+        (!left.is_empty()).then(|| listed(left.into_iter(), SHOWN_LABELS))
     }
 
     /// Compares the surface of an object with that of the later one of the same label, and keeps what there is at each vertex.

@@ -112,21 +112,7 @@ impl Blockwise {
     pub fn records(&self, all: &PartialMeasurement) -> Result<Vec<BlockRecord>, RunError> {
         let found = all.results()?.into_iter().map(|(label, mut measured)| BlockRecord {
             wants_whole: self.plan.wants_whole(&mut measured),
-            record: Record {
-                input: self.name.clone(),
-                name: self.names.name_of(&label),
-                label: Some(label),
-                component: None,
-                truth: None,
-                preparation: None,
-                regions: None,
-                interfaces: None,
-                curvature_sigma_mm: None,
-                input_sha256: None,
-                read_seconds: None,
-                seconds: measured.timings.integrals,
-                measured,
-            },
+            record: Record::of_label(&self.name, &self.names, label, measured),
         });
         Ok(found.collect())
     }

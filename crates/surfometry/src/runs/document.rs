@@ -3,6 +3,7 @@
 use super::flatten::each_field;
 use super::{Failure, MadeBy, Outcome, Settings, Sink};
 use crate::io::ResultOutput;
+use crate::text::FORMULA;
 use serde::Serialize;
 use serde_json::{Value, json};
 use std::collections::HashMap;
@@ -262,6 +263,3 @@ pub(super) fn text_cell(text: String) -> String {
     let formula = text.starts_with(FORMULA) && text.parse::<f64>().is_err();
     if formula { format!("'{text}") } else { text }
 }
-
-/// How formulas begin, in one program or another.
-pub(crate) const FORMULA: [char; 6] = ['=', '+', '-', '@', '\t', '\r'];

@@ -2,6 +2,7 @@
 
 use super::RunError;
 use crate::measurement::Measurement;
+use crate::text::{SHOWN_LABELS, listed};
 use crate::volume::LabelGroup;
 use serde::{Deserialize, Serialize};
 
@@ -54,7 +55,7 @@ impl LabelScales {
         match self.labels().find(|&label| !label.is_among(objects)) {
             Some(label) => Err(RunError::UnusedScale {
                 label: label.clone(),
-                objects: listed(objects),
+                objects: listed(objects.iter(), SHOWN_LABELS),
                 cure: cure(label, objects),
             }),
             None => Ok(()),
@@ -69,11 +70,4 @@ fn cure(label: &LabelGroup, objects: &[LabelGroup]) -> String {
         Some(object) => format!("write {object}=MM"),
         None => "name one of these, as LABEL=MM, or leave that length out".to_owned(),
     }
-}
-
-pub(super) fn listed(objects: &[LabelGroup]) -> String {
-    const SHOWN: usize = 20;
-    let names: Vec<String> = objects.iter().take(SHOWN).map(ToString::to_string).collect();
-    let more = objects.len().saturating_sub(SHOWN);
-    if more == 0 { names.join(", ") } else { format!("{} and {more} more", names.join(", ")) }
 }

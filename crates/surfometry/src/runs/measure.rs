@@ -3,7 +3,8 @@
 use super::ExplainTopology;
 use super::called::{Asked, with_name};
 use super::object::prepared_flags;
-use super::reading::{FileStamps, Watched, grey_values};
+use super::reading::{Watched, grey_values};
+use super::stamps::FileStamps;
 use super::{Item, Opened, Plan, Reading, Record, RunError, Task};
 use crate::inputs::open;
 use crate::measurement::{MeasureError, Measured, StageSeconds, StreamError};
@@ -114,19 +115,11 @@ impl MeasureTask {
             let preparation = preparations.as_ref().map(|all| all.of(Some(&label)));
             measured.flags.splice(0..0, flags.iter().cloned().chain(prepared_flags(preparation)));
             Record {
-                input: (*name).to_owned(),
-                name: table.name_of(&label),
-                label: Some(label),
-                component: None,
                 truth,
                 preparation,
-                regions: None,
-                interfaces: None,
-                curvature_sigma_mm: None,
                 input_sha256: input.fingerprint.text(),
                 read_seconds: Some(read),
-                seconds: measured.timings.integrals,
-                measured,
+                ..Record::of_label(name, &table, label, measured)
             }
         };
         // One after the other, for there may be a hundred thousand.

@@ -2,6 +2,7 @@
 
 use super::journal::{JournalError, Lines, RunHead};
 use super::{Outcome, Record, Settings, Sink};
+use crate::text::listed;
 use std::fmt::Display;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -116,11 +117,15 @@ fn check_all_there(read: &Read) -> Result<(), JournalError> {
         return Ok(());
     }
     unmergeable(format_args!(
-        "of {of} shards {} are missing: {}; measure them, or name their files",
+        "of {of} shards {} {} missing: {}; measure what is missing, or name its files",
         missing.len(),
-        listed(&missing)
+        if missing.len() == 1 { "is" } else { "are" },
+        listed(missing.iter(), SHOWN)
     ))
 }
+
+/// Names that are shown of those that lack.
+const SHOWN: usize = 10;
 
 fn check_finished(path: &Path, lines: &Lines) -> Result<(), JournalError> {
     let inputs = &lines.head.inputs;
@@ -135,14 +140,6 @@ fn check_finished(path: &Path, lines: &Lines) -> Result<(), JournalError> {
         lines.head.shard,
         lacking.len(),
         inputs.len(),
-        listed(&lacking)
+        listed(lacking.iter(), SHOWN)
     ))
-}
-
-/// The first of some names.
-fn listed(names: &[String]) -> String {
-    const SHOWN: usize = 10;
-    let more = names.len().saturating_sub(SHOWN);
-    let shown = names[..names.len() - more].join(", ");
-    if more == 0 { shown } else { format!("{shown} and {more} more") }
 }

@@ -49,6 +49,7 @@ mod scale_ledger;
 mod scene;
 mod settings;
 mod shard;
+mod stamps;
 mod surface_record;
 mod surface_task;
 #[cfg(feature = "pictures")]
@@ -67,7 +68,6 @@ pub use called::CalledObjects;
 pub use choices::Choices;
 pub use cohort_files::{CohortFile, write_cohort, write_zoo};
 pub use cure::Cure;
-pub(crate) use document::FORMULA;
 #[cfg(feature = "report")]
 pub(crate) use document::csv_lines;
 pub use document::{CsvSink, DocumentForm, JsonLinesSink, JsonSink, Row};

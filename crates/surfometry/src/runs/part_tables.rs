@@ -75,7 +75,7 @@ impl<'a> PartTables<'a> {
     }
 
     fn add_region(&mut self, record: &Record, part: &RegionPart) -> io::Result<()> {
-        let label = record.label.as_ref().map(ToString::to_string).unwrap_or_default();
+        let label = record.label.as_ref().map(ToString::to_string).map(text_cell).unwrap_or_default();
         let component = record.component.map(|piece| piece.to_string()).unwrap_or_default();
         let mut row = vec![text_cell(record.input.clone()), label, text(record.name.as_ref()), component];
         row.extend([part.region.to_string(), text(part.name.as_ref())]);
@@ -88,7 +88,7 @@ impl<'a> PartTables<'a> {
     }
 
     fn add_interface(&mut self, record: &Record, interface: &Interface) -> io::Result<()> {
-        let [first, second] = interface.labels.each_ref().map(ToString::to_string);
+        let [first, second] = interface.labels.each_ref().map(|label| text_cell(label.to_string()));
         if !self.known.insert([record.input.clone(), first.clone(), second.clone()]) {
             return Ok(());
         }

@@ -140,7 +140,7 @@ impl Plan {
                 conflict("a field or soft segmentation has no labels: leave the choice of labels out")
             }
             kind if mapped_apart && !kind.is_blur() => conflict(
-                "a scale for curvature belongs to the Gaussian and corrected embeddings: leave it out",
+                "a scale for curvature belongs to the embeddings that blur (gaussian, corrected, recovering, probability): leave it out",
             ),
             _ => Ok(()),
         }

@@ -1,11 +1,12 @@
 //! What is written of an object.
 
 use super::columns::{RECORD, columns};
+use super::cure::meant_instead;
 use super::{Row, RunError};
 use crate::inputs::PreparedObject;
 use crate::measurement::{Interface, Measured, RegionPart};
 use crate::phantoms::Truth;
-use crate::volume::LabelGroup;
+use crate::volume::{LabelGroup, LabelTable};
 use serde::{Deserialize, Serialize};
 
 /// Name and version of the format.
@@ -51,6 +52,27 @@ pub struct Record {
     pub seconds: f64,
 }
 
+impl Record {
+    /// Of a label's object that was not known as a whole, before anything is said of its file.
+    pub(super) fn of_label(input: &str, names: &LabelTable, label: LabelGroup, measured: Measured) -> Self {
+        Self {
+            input: input.to_owned(),
+            name: names.name_of(&label),
+            label: Some(label),
+            component: None,
+            truth: None,
+            preparation: None,
+            regions: None,
+            interfaces: None,
+            curvature_sigma_mm: None,
+            input_sha256: None,
+            read_seconds: None,
+            seconds: measured.timings.integrals,
+            measured,
+        }
+    }
+}
+
 impl Row for Record {
     const SCHEMA: &'static str = SCHEMA;
 
@@ -78,9 +100,10 @@ impl Failure {
 
     /// The same of a run's error, with the front end's words for what helps.
     pub(super) fn of(input: &str, error: &RunError, cure: fn(&RunError) -> Option<&'static str>) -> Self {
-        match cure(error) {
-            Some(cure) => Self::new(input, &format!("{error} ({cure})")),
-            None => Self::new(input, error),
+        match (cure(error), meant_instead(input, error)) {
+            (Some(cure), _) => Self::new(input, &format!("{error} ({cure})")),
+            (None, Some(meant)) => Self::new(input, &format!("{error}; {meant}")),
+            (None, None) => Self::new(input, error),
         }
     }
 }

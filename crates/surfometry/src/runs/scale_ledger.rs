@@ -1,6 +1,7 @@
 //! Which inputs of a run have the objects that are given lengths of their own.
 
 use super::called::Asked;
+use crate::text::{SHOWN_LABELS, listed};
 use crate::volume::LabelGroup;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -32,7 +33,7 @@ impl ScaleLedger {
             found.lacking += 1;
             // Whichever thread came first.
             if found.example.as_ref().is_none_or(|(other, _)| input < other.as_str()) {
-                found.example = Some((input.to_owned(), super::label_scales::listed(objects)));
+                found.example = Some((input.to_owned(), listed(objects.iter(), SHOWN_LABELS)));
             }
         }
     }

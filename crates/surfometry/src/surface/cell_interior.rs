@@ -5,7 +5,7 @@
 //! 13).
 
 use super::cell::{edge_corners, face_corners, is_ambiguous};
-use crate::topology::DisjointSets;
+use crate::tiling::DisjointSets;
 
 /// Whether the two inside corners of an ambiguous face are connected across it: the sign of the bilinear
 /// interpolant's saddle (the asymptotic decider of Nielson and Hamann, 1991).

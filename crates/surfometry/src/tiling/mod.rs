@@ -17,6 +17,7 @@
 
 mod block;
 mod cover;
+mod disjoint_sets;
 mod exact_sum;
 mod index_box;
 pub(crate) mod pairs;
@@ -26,6 +27,7 @@ mod work_time;
 
 pub use block::Block;
 pub(crate) use cover::{Cover, Joint};
+pub(crate) use disjoint_sets::DisjointSets;
 pub use exact_sum::ExactSum;
 pub use index_box::IndexBox;
 pub use pool::Pool;

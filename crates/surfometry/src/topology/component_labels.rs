@@ -1,7 +1,7 @@
 //! Which component a voxel belongs to.
 
-use super::DisjointSets;
 use super::components::{Connectivity, Run, gaps, join_touching};
+use crate::tiling::DisjointSets;
 use crate::tiling::IndexBox;
 use crate::volume::Mask;
 use std::collections::HashMap;

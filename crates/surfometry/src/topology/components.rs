@@ -1,6 +1,6 @@
 //! When voxels and runs of voxels are connected.
 
-use super::DisjointSets;
+use crate::tiling::DisjointSets;
 
 /// What is counted and when two voxels are neighbours.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

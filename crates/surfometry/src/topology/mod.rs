@@ -15,7 +15,6 @@ mod bricks;
 mod changes;
 mod component_labels;
 mod components;
-mod disjoint_sets;
 mod euler;
 mod euler_growth;
 mod face;
@@ -31,7 +30,6 @@ pub(crate) use changes::timed_changes;
 pub use changes::{ChangeKind, TopologyChange, topology_changes};
 pub use component_labels::ComponentLabels;
 pub use components::Connectivity;
-pub(crate) use disjoint_sets::DisjointSets;
 pub(crate) use euler::EulerNumbers;
 
 use crate::tiling::Cover;

@@ -1,7 +1,7 @@
 //! Components that are joined, and numbered anew.
 
-use super::DisjointSets;
 use super::face::{BACKGROUND, FOREGROUND, Kind};
+use crate::tiling::DisjointSets;
 
 /// The background component around the image.
 pub(super) const OUTSIDE: u32 = 0;

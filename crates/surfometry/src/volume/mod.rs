@@ -62,9 +62,9 @@ pub(crate) use samples::{collected, for_samples};
 #[cfg(feature = "io")]
 pub use segments::{Segments, Selected};
 pub(crate) use selection::Found;
-pub use selection::{LabelGroup, LabelSelection, ParseSelectionError};
 #[cfg(feature = "io")]
-pub(crate) use selection::{shortened, without_repeats};
+pub(crate) use selection::without_repeats;
+pub use selection::{LabelGroup, LabelSelection, ParseSelectionError};
 pub use shared::Shared;
 pub(crate) use shear::Shear;
 pub use slab::{Slab, SlabReader, slices_a_slab};

@@ -1,6 +1,7 @@
 //! Which labels to measure, and which to unite.
 
 use super::{LabelImage, VolumeError};
+use crate::text::{SHOWN_LABELS, listed};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::fmt;
 use std::str::FromStr;
@@ -128,7 +129,7 @@ impl LabelSelection {
             match group.labels().iter().find(|label| present.binary_search(label).is_err()) {
                 None => found.groups.push(group.clone()),
                 Some(&missing) => {
-                    let present = shortened(present.iter().copied());
+                    let present = listed(present.iter(), SHOWN_LABELS);
                     found.missing.push(VolumeError::NoSuchLabel { missing, present });
                 }
             }
@@ -154,14 +155,6 @@ impl Found {
     pub(crate) fn all(self) -> Result<Vec<LabelGroup>, VolumeError> {
         self.missing.into_iter().next().map_or(Ok(self.groups), Err)
     }
-}
-
-/// Labels as text, the first of many.
-pub(crate) fn shortened(labels: impl ExactSizeIterator<Item = i64>) -> String {
-    const SHOWN: usize = 20;
-    let more = labels.len().saturating_sub(SHOWN);
-    let text = labels.take(SHOWN).map(|l| l.to_string()).collect::<Vec<_>>().join(", ");
-    if more == 0 { text } else { format!("{text} and {more} more") }
 }
 
 /// A label selection that cannot be read.

@@ -24,7 +24,9 @@ pub(super) fn crossings_of(corners: [[f64; 3]; 3], mut found: impl FnMut([i64; 2
     };
     let ((y_first, y_last), (z_first, z_last)) = (range(1), range(2));
     for z in z_first..=z_last {
-        for y in y_first..=y_last {
+        // Of a sliver that lies oblique, a few of the box's rows.
+        let (low, high) = span_at(corners, z as f64);
+        for y in y_first.max(low)..=y_last.min(high) {
             let row = [y as f64, z as f64];
             let sides = [(0, 1), (1, 2), (2, 0)].map(|(from, to)| side(corners[from], corners[to], row));
             if sides[0] == sides[1] && sides[1] == sides[2] {
@@ -34,6 +36,20 @@ pub(super) fn crossings_of(corners: [[f64; 3]; 3], mut found: impl FnMut([i64; 2
             }
         }
     }
+}
+
+/// Between which rows a slice may pass through a triangle, one more on both sides.
+fn span_at(corners: [[f64; 3]; 3], z: f64) -> (i64, i64) {
+    let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+    for (from, to) in [(0, 1), (1, 2), (2, 0)].map(|(from, to)| (corners[from], corners[to])) {
+        let share = (z - from[2]) / (to[2] - from[2]);
+        // Along the slice, or beside it.
+        let ends = if share.is_finite() { [share.clamp(0.0, 1.0); 2] } else { [0.0, 1.0] };
+        for y in ends.map(|share| from[1] + share * (to[1] - from[1])) {
+            (low, high) = (low.min(y), high.max(y));
+        }
+    }
+    (low.floor() as i64 - 1, high.ceil() as i64 + 1)
 }
 
 /// On which side of an edge, seen in y and z, a row is; never on it.

@@ -11,6 +11,8 @@ use std::ops::Range;
 
 /// Background voxels on every side.
 const MARGIN: i64 = 2;
+/// Rows that a mesh may have, y by z: each crossing takes 24 bytes and is looked for in each triangle.
+const MOST_ROWS: f64 = (1 << 26) as f64;
 /// A mesh that is less wide in voxels, along all axes, is most likely in another unit.
 const FEWEST: f64 = 4.0;
 
@@ -157,6 +159,9 @@ fn lattice(ends: [[f64; 2]; 3], h: [f64; 3]) -> Result<Lattice, VoxeliseError> {
     let margin = MARGIN as f64;
     let first = std::array::from_fn(|axis| (ends[axis][0] / h[axis]).floor() - margin);
     let extent = std::array::from_fn(|axis| (ends[axis][1] / h[axis]).ceil() + margin - first[axis] + 1.0);
-    check_made(extent.map(|n| n as usize)).map_err(|_| VoxeliseError::TooLarge { voxels: extent, widths })?;
+    let too_large = check_made(extent.map(|n| n as usize)).is_err() || extent[1] * extent[2] > MOST_ROWS;
+    if too_large {
+        return Err(VoxeliseError::TooLarge { voxels: extent, widths });
+    }
     Ok(Lattice { first, extent })
 }

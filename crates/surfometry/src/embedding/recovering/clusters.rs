@@ -5,7 +5,7 @@ use super::links::Links;
 use super::pair_kernel::PairKernel;
 use super::solver::{self, Cluster};
 use super::voxel_list::VoxelList;
-use crate::topology::DisjointSets;
+use crate::tiling::DisjointSets;
 use rayon::prelude::*;
 
 /// Voxels whose kernel is below this share of its peak are solved as if they did not see each other: what
