@@ -3,6 +3,7 @@
 use std::fmt::Display;
 
 /// How formulas begin, in one program or another.
+#[cfg(feature = "io")]
 pub(crate) const FORMULA: [char; 6] = ['=', '+', '-', '@', '\t', '\r'];
 
 /// Whether a character turns the direction of the text around it, so that a name could read as another one: the marks,

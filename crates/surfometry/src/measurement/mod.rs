@@ -42,7 +42,7 @@ pub use local_curvature::CurvatureScale;
 pub use object::Object;
 pub use parameters::{Derivatives, EmbeddingKind, MeasureError, Padding, Parameters};
 pub use recovery::RecoverySummary;
-pub(crate) use region_membership::RegionMembership;
+pub use region_membership::RegionMembership;
 pub use regions::{RegionPart, Regions};
 pub use result::{
     BlurredValues, DescribedSurface, GridSummary, Measured, MeshSummary, StageSeconds, SurfaceValues,

@@ -14,7 +14,7 @@ const SIGMAS: f64 = 2.0;
 /// Half of a band lies outside the object, where regions that were painted into it have no label, and those of its neighbours
 /// have theirs. So a place outside has its own region where that is one of the object's, and else that of the object's nearest
 /// voxel.
-pub(crate) struct RegionMembership<'a> {
+pub struct RegionMembership<'a> {
     regions: &'a Regions,
     mask: &'a Mask,
     to_world: Affine,
@@ -27,7 +27,7 @@ pub(crate) struct RegionMembership<'a> {
 
 impl Object {
     /// Where its surface and voxels belong.
-    pub(crate) fn membership<'a>(&'a self, regions: &'a Regions) -> RegionMembership<'a> {
+    pub fn membership<'a>(&'a self, regions: &'a Regions) -> RegionMembership<'a> {
         let parameters = &self.setup.parameters;
         let reach = 0.5 * parameters.thickness_mm + SIGMAS * parameters.sigma_mm.unwrap_or_default();
         let to_world = *self.grid().affine();
@@ -46,13 +46,13 @@ impl Object {
 
 impl RegionMembership<'_> {
     /// The region of a voxel, inside the object or near it.
-    pub(crate) fn of_voxel(&self, index: [i64; 3]) -> i64 {
+    pub fn of_voxel(&self, index: [i64; 3]) -> i64 {
         let own = self.own(index);
         if self.mask.get(index) { own } else { self.outside(index, own) }
     }
 
     /// The region of a point of the surface, mm.
-    pub(crate) fn of_point(&self, world: [f64; 3]) -> i64 {
+    pub fn of_point(&self, world: [f64; 3]) -> i64 {
         let own = self.regions.at(world);
         let index = self.to_index.map(|to_index| to_index.apply(world).map(|v| libm::floor(v + 0.5) as i64));
         index.map_or(own, |index| self.outside(index, own))

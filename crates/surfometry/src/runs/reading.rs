@@ -263,7 +263,7 @@ impl<'a> Reading<'a> {
             && measurement.clip != Clip::Exclude;
         let one_scale = local.as_ref().filter(|local| of_vertices && !local.has_scales_of_vertices());
         let one_scale_mm = one_scale.and_then(|local| local.parameters().sigma_mm);
-        Ok(InputObject { local, recovering, one_scale_mm, ..self.bare(object) })
+        Ok(InputObject { local, one_scale_mm, recovering, ..self.bare(object) })
     }
 
     fn of_probability(&self, image: &Arc<ProbabilityImage>, plan: &Plan) -> Result<InputObject, RunError> {

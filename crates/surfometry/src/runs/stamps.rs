@@ -109,7 +109,7 @@ mod tests {
             assert_eq!(serde_json::from_str::<FileStamps>(&text).unwrap(), first);
             let renamed = files[1].with_file_name("1000");
             fs::rename(&files[1], &renamed).unwrap();
-            let named = [&files[..1], &[renamed.clone()], &files[2..]].concat();
+            let named = [&files[..1], std::slice::from_ref(&renamed), &files[2..]].concat();
             assert_ne!(first, FileStamps::of_files(&named));
             fs::rename(&renamed, &files[1]).unwrap();
             assert_eq!(first, FileStamps::of_files(&files));
