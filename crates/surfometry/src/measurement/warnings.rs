@@ -66,8 +66,8 @@ const MESH_TOLERANCE: f64 = 0.05;
 /// Share of the area along the grid from which on flat faces are told of. The terraces at the poles of a ball
 /// are up to 1.5 % after the plain blur, and 2.5 % in the corrected embedding at sigma = 2 voxels.
 const FLAT_SHARE: f64 = 0.03;
-/// The same of the recovering embedding, which keeps the terraces of what is nearly flat: thick slices have a tenth.
-pub(super) const FLAT_SHARE_RECOVERED: f64 = 0.25;
+/// The same of the recovering embedding, which keeps the terraces of what is nearly flat: thick slices have up to 0.4, boxes along the grid 0.53 and more.
+pub(super) const FLAT_SHARE_RECOVERED: f64 = 0.5;
 /// Thickness in units of sigma beyond which the corrected embedding's integrals are biased (at 2.5 by 12 % in
 /// V).
 const CORRECTED_THICKNESS: f64 = 1.6;
