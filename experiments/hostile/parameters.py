@@ -52,15 +52,15 @@ COMMANDS = {
     "embed": ["in.nii", "{}", "-o", "result.nii"],
     "info": ["in.nii", "{}"],
     "phantom": ["ball?radius=3", "{}", "-o", "result.nii"],
-    "sweep": ["in.nii", "{}", "-o", "result.json"],
+    "sweep": ["in.nii", "{}", "--range", "1:2:2", "-o", "result.json"],
     "reference": ["in.nii", "{}", "-o", "result.json"],
     "compare": ["table.csv", "table.csv", "{}"],
-    "merge": ["table.csv", "{}"],
+    "merge": ["shard.jsonl", "{}"],
     "rerun": ["document.json", "{}"],
     "generate": ["{}"],
 }
 # What messages call them; what a description of voxels claims is told of the file that it is put before.
-SPOKEN_OF = {"--raw": "in.nii", "--size": "picture"}
+SPOKEN_OF = {"--raw": "in.nii", "--size": "picture", "--sigma": "length", "--thickness": "length"}
 # A number of these is work that was asked for.
 ASKED_FOR = {("compare", "--resamples"), ("sweep", "--range")}
 
@@ -80,12 +80,15 @@ def cases(program: str, chance: random.Random, pairs: int):
             for value in odd:
                 if (command, name) not in ASKED_FOR or not re.search(r"\d{7}|1e[369]", value):
                     yield arguments(command, [f"{name}={value}"]), [value], [name]
+    # A word that begins with a hyphen is an option, which there is not.
     for command in COMMANDS:
-        for value in WORDS:
+        for value in (word for word in WORDS if not word.startswith("-")):
             yield arguments(command, [value]), [value], []
     for shape, keys in SHAPES.items():
         for key in keys + POSE:
-            for value in NUMBERS + ["1,2", "1,2,3,4", "0,0,0", "-1,1,1", "1e-9,1,1", "nan,nan,nan", "1e9,1e9,1e9", "xyz"]:
+            # A rod of 10^6 voxels is measured, in half a minute.
+            sensible = {"1e6", "00001"} if key == "length" else set()
+            for value in [number for number in NUMBERS if number not in sensible] + ["1,2", "1,2,3,4", "0,0,0", "-1,1,1", "1e-9,1,1", "nan,nan,nan", "1e9,1e9,1e9", "xyz"]:
                 yield ["measure", f"phantom:{shape}?{key}={value}", "-o", "result.json"], [value], [key, shape]
         yield ["measure", f"phantom:{shape}?nonsense=1", "-o", "result.json"], ["nonsense"], [shape]
     for _ in range(pairs):
@@ -110,6 +113,12 @@ def numbers(value: object):
         yield value
 
 
+def parts_of(value: str) -> list[str]:
+    """What of a value a message may show: as much as can be printed, or what stands in front of an equals sign."""
+    printable = "".join(c for c in value if c.isprintable()).strip()
+    return [part[:40] for part in (printable, printable.split("=")[0]) if part]
+
+
 def fault_of(program: str, folder: pathlib.Path, given: list[str], values: list[str], names: list[str]) -> str | None:
     before = set(os.listdir(folder))
     kept = {name: (folder / name).read_bytes() for name in before}
@@ -123,20 +132,22 @@ def fault_of(program: str, folder: pathlib.Path, given: list[str], values: list[
     except subprocess.TimeoutExpired:
         run.kill()
         run.communicate()
+        for name in set(os.listdir(folder)) - before:
+            (folder / name).unlink()
         return f"more than {SECONDS} s"
-    finally:
-        left = set(os.listdir(folder)) - before
+    left = set(os.listdir(folder)) - before
     try:
         if run.returncode not in STATUSES:
             return f"status {run.returncode}: {errors[-300:]}"
         if "panicked" in errors or "a fault of surfometry itself" in errors:
             return f"panic: {errors[-300:]}"
+        # What is named as an output may be written over, unless it is an input.
         written = {value for value, name in zip(values, [*names, "-o"]) if name in ("--output", "--png", "--svg", "-o")} - {"in.nii"}
         if any((folder / name).read_bytes() != bytes_ for name, bytes_ in kept.items() if name not in written):
             return "a file that was there is another one"
         if run.returncode != 0:
             said = " ".join(errors.split())
-            shown = [*(name.strip("-") for name in names), *(re.split(r"[\\=]", repr(value)[1:-1])[0][:40].strip() for value in values)]
+            shown = [*(name.strip("-") for name in names), *(part for value in values for part in parts_of(value))]
             if len(said) < 20:
                 return f"it says only `{said}`"
             if len(errors) > 4000 or re.search(r"\d{40}", said):
@@ -153,6 +164,8 @@ def fault_of(program: str, folder: pathlib.Path, given: list[str], values: list[
     except ValueError as error:
         return f"no document: {error}"
     finally:
+        for name in written & before:
+            (folder / name).write_bytes(kept[name])
         for name in left:
             path = folder / name
             path.unlink() if path.is_file() or path.is_symlink() else subprocess.run(["rm", "-rf", path], check=True)
@@ -173,6 +186,7 @@ def main() -> int:
         subprocess.run([program, "phantom", "two-balls?radius=4&spacing=0.9,1,1.1", "-o", "in.nii"], **made)
         subprocess.run([program, "measure", "in.nii", "-o", "table.csv"], **made)
         subprocess.run([program, "measure", "in.nii", "-o", "document.json"], **made)
+        subprocess.run([program, "measure", "in.nii", "--shard", "1/1", "-o", "shard.jsonl"], **made)
         tried = faults = 0
         for given, values, names in itertools.islice(cases(program, random.Random(args.seed), args.pairs), args.first, None):
             tried += 1
