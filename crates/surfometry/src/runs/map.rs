@@ -77,7 +77,7 @@ impl Task for MapTask {
         let mut joint = (self.style.together && !voxels.is_empty())
             .then(|| JointMaps::new(&self.style.voxels, self.style.outside));
         for object in reading.objects() {
-            let mut object = object?.settled_beside_map()?;
+            let mut object = object?;
             object.surface();
             input.control.check()?;
             for error in object.without_values(&self.plan) {

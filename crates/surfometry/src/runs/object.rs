@@ -154,12 +154,6 @@ impl InputObject {
         Ok(Self { object, measured: Some(measured), ..self })
     }
 
-    /// The same where its surface is not that of the embedding in which it is measured: numbers and warnings are then those
-    /// of `measure`, not of a blur that is not shown.
-    pub(super) fn settled_beside_map(self) -> Result<Self, RunError> {
-        if self.local.is_some() { self.settled() } else { Ok(self) }
-    }
-
     /// Its numbers, and where its topology changes, as far as that is asked.
     pub(super) fn explained(&self) -> Measured {
         let mut measured = self.measured.clone().unwrap_or_else(|| self.object.measure());
