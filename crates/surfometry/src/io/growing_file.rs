@@ -24,7 +24,6 @@ impl GrowingFile {
     /// # Errors
     /// Whatever the file system says; a target that is a folder or written as one, lies in a Zarr, or cannot be written.
     pub fn create(path: &Path) -> io::Result<Self> {
-        check_name(path)?;
         let growing = Self::open(path)?;
         growing.file.set_len(0)?;
         Ok(growing)
@@ -35,7 +34,6 @@ impl GrowingFile {
     /// # Errors
     /// As of [`GrowingFile::create`]; bytes that are no text.
     pub fn reopen_lines(path: &Path) -> io::Result<(Self, String)> {
-        check_name(path)?;
         let mut growing = Self::open(path)?;
         let mut bytes = Vec::new();
         growing.file.read_to_end(&mut bytes)?;
@@ -54,6 +52,7 @@ impl GrowingFile {
 
     /// The unfinished file, as it is; nobody else may be at it.
     fn open(path: &Path) -> io::Result<Self> {
+        check_name(path)?;
         let target = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
         if target.is_dir() {
             return Err(io::Error::new(io::ErrorKind::IsADirectory, "it is a folder"));

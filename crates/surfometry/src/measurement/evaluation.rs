@@ -139,12 +139,9 @@ impl Setup {
         flags.extend(raise_flags(evidence));
         flags.extend(with_surface.and_then(|integrals| self.soft?.flag(self.original_area(&integrals))));
         flags.extend(totals.recovered.and_then(|recovered| recovered.summary.flag()));
-        let recovered_area =
-            totals.recovered.zip(with_surface).map(|(recovered, of)| (recovered, of.surface.area));
-        flags.extend(
-            recovered_area
-                .and_then(|(recovered, area)| flat_faces(recovered.faces(), area, FLAT_SHARE_RECOVERED)),
-        );
+        flags.extend(totals.recovered.zip(with_surface).and_then(|(recovered, integrals)| {
+            flat_faces(recovered.faces(), integrals.surface.area, FLAT_SHARE_RECOVERED)
+        }));
         // What was taken for noise is told of as such.
         let noisy = totals.recovered.is_some_and(|recovered| recovered.summary.noisy);
         let original = self.described() == DescribedSurface::Original && !noisy;

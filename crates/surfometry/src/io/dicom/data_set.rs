@@ -24,7 +24,7 @@ const COMPRESSED: [(&str, &str); 7] = [
 ];
 
 /// Bytes in front of DICOM's mark.
-const PREAMBLE: usize = 128;
+pub(super) const PREAMBLE: usize = 128;
 
 /// Whether a file has DICOM's mark behind its preamble.
 pub(in crate::io) fn is_dicom(path: &Path) -> bool {
@@ -75,8 +75,7 @@ impl DataSet {
     pub(super) fn pixels(&self) -> Result<Vec<u8>, ReadError> {
         self.check_pixels_are_plain()?;
         // Words of 16 bits are turned, and whether the two of a pixel are as well, writers do not agree on.
-        let is_big_endian =
-            self.object.meta().transfer_syntax().trim_end_matches(['\0', ' ']) == lengths::BIG_ENDIAN;
+        let is_big_endian = self.object.meta().transfer_syntax() == lengths::BIG_ENDIAN;
         if is_big_endian && self.whole_number(tags::BITS_ALLOCATED) == Some(32) {
             return Err(error(
                 "32 bits a pixel in big-endian order, which programs write in two ways, are not read; `dcmconv +te IN OUT` writes \

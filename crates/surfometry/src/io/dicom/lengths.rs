@@ -1,17 +1,19 @@
 //! Whether a file has all bytes that its elements claim, which readers make room for before they look.
 
+use super::data_set::PREAMBLE;
 use super::error;
 use crate::io::ReadError;
 use crate::io::packed::open_file;
 use dicom_core::VR;
 use dicom_core::dictionary::{DataDictionary, DataDictionaryEntry};
 use dicom_dictionary_std::StandardDataDictionary;
+use dicom_dictionary_std::uids::{DEFLATED_EXPLICIT_VR_LITTLE_ENDIAN, IMPLICIT_VR_LITTLE_ENDIAN};
 use dicom_object::Tag;
 use std::io::{BufReader, ErrorKind, Read};
 use std::path::Path;
 
 /// Where the elements begin: behind preamble and mark.
-const START: u64 = 132;
+const START: u64 = PREAMBLE as u64 + 4;
 const PIXEL_DATA: Tag = Tag(0x7FE0, 0x0010);
 const ITEM_END: Tag = Tag(0xFFFE, 0xE00D);
 const SEQUENCE_END: Tag = Tag(0xFFFE, 0xE0DD);
@@ -19,12 +21,8 @@ const SEQUENCE_END: Tag = Tag(0xFFFE, 0xE0DD);
 const DEEPEST: usize = 64;
 /// The length of what goes on until it says that it ends.
 const UNDEFINED: u32 = u32::MAX;
-/// Representations are left out; others say theirs.
-const IMPLICIT: &str = "1.2.840.10008.1.2";
-/// Out of use, and read all the same.
+/// Out of use, so that the dictionary warns of it, and read all the same.
 pub(super) const BIG_ENDIAN: &str = "1.2.840.10008.1.2.2";
-/// Not read.
-const DEFLATED: &str = "1.2.840.10008.1.2.1.99";
 /// How long the elements are that say how the others are written.
 const META_LENGTH: Tag = Tag(2, 0);
 const SYNTAX: Tag = Tag(2, 0x10);
@@ -59,7 +57,11 @@ impl Walk {
         let Some(end) = self.end_of_meta()? else { return Ok(Ok(())) };
         let meta = self.all_elements(end)?;
         self.is_meta = false;
-        if meta.is_err() || self.syntax == DEFLATED { Ok(meta) } else { self.all_elements(self.bytes) }
+        if meta.is_err() || self.syntax == DEFLATED_EXPLICIT_VR_LITTLE_ENDIAN {
+            Ok(meta)
+        } else {
+            self.all_elements(self.bytes)
+        }
     }
 
     /// Where the elements end that say how the others are written, whatever their group is, as the first one claims; `None`
@@ -126,7 +128,7 @@ impl Walk {
         if tag.group() == 0xFFFE {
             return Ok((self.four_bytes()?, true));
         }
-        if !self.is_meta && self.syntax == IMPLICIT {
+        if !self.is_meta && self.syntax == IMPLICIT_VR_LITTLE_ENDIAN {
             let representation = StandardDataDictionary.by_tag(tag).map(|entry| entry.vr().relaxed());
             return Ok((self.four_bytes()?, representation == Some(VR::SQ)));
         }
