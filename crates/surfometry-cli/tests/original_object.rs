@@ -267,3 +267,36 @@ fn another_program_goes_through_the_zoo() {
     std::fs::write(folder.path().join("none.csv"), "input,volume_mm3\nx.nii,1\n").unwrap();
     assert_eq!(in_folder(&["--against", "none.csv"]).status.code(), Some(2));
 }
+
+/// A surface that is mapped at scales of its own is the object's, not the blur's: so are the numbers and warnings beside it.
+/// The volume, and what was chosen, stay as they are.
+#[test]
+fn numbers_beside_the_original_surface_are_those_of_measure() {
+    let folder = tempfile::tempdir().unwrap();
+    let rod = "phantom:capsule?radius=1.5&length=20&rotate=30,40,50";
+    let mapped = |name: &str, more: &[&str]| -> (Value, Vec<u8>) {
+        let [json, voxels] = [".json", ".nii"].map(|ending| format!("{name}{ending}"));
+        let args = ["map", rod, "--curvature-sigma", "auto", "-o", &json, "-o", &voxels, "-q"];
+        let output = run_in(folder.path(), &[&args, more].concat());
+        assert!(output.status.success(), "{}", text(&output.stderr));
+        let document = std::fs::read(folder.path().join(json)).unwrap();
+        let document: Value = serde_json::from_slice(&document).unwrap();
+        (document["results"][0].clone(), std::fs::read(folder.path().join(voxels)).unwrap())
+    };
+    let (ours, volume) = mapped("ours", &[]);
+    let measured = &json(&["measure", rod])["results"][0];
+    for field in ["surface_area_mm2", "total_mean_curvature_mm", "standard_error", "parameters"] {
+        assert_eq!(ours[field], measured[field], "{field}");
+    }
+    // One more is about the surface.
+    let [ours_raised, raised] = [&ours, measured].map(|object| object["flags"].as_array().unwrap());
+    assert_eq!(ours_raised[..raised.len()], raised[..]);
+    assert!(raised.iter().all(|flag| flag["code"] != "detail-lost"), "{raised:?}");
+    let [area, error] =
+        [&ours["surface_area_mm2"], &ours["standard_error"]["surface_area_mm2"]].map(|v| v.as_f64().unwrap());
+    let exact = ours["truth"]["surface_area_mm2"].as_f64().unwrap();
+    assert!((area - exact).abs() < 2.0 * error && error < 0.1 * exact, "{area} ± {error} of {exact}");
+    let (chosen, same) = mapped("chosen", &["--embedding", "gaussian"]);
+    assert!(chosen["surface_area_mm2"].is_null(), "{chosen}");
+    assert!(volume == same);
+}

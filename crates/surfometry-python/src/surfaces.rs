@@ -30,7 +30,6 @@ pub(crate) fn surface<'py>(
     against: Option<Input<'py>>,
 ) -> PyResult<Vec<Bound<'py, PyDict>>> {
     let plan = plan(py, &request.options, curvature(py, curvature_sigma)?)?;
-    let plan = Plan { recover: false, ..plan };
     let found = match against {
         None => collected(py, request, plan.open.clone(), SurfaceTask { plan, against: None })?,
         Some(later) => {

@@ -14,7 +14,7 @@ use surfometry::measurement::{Outside, VoxelQuantity};
 use surfometry::pictures::PictureStyle;
 use surfometry::runs::picture_words::color_range;
 use surfometry::runs::{
-    Against, Batch, Choices, FileLedger, MapFile, MapStyle, MapTask, Plan, SampleImage, Settings, SharedFiles,
+    Against, Batch, Choices, FileLedger, MapFile, MapStyle, MapTask, SampleImage, Settings, SharedFiles,
 };
 use surfometry::surface::LocalQuantity;
 
@@ -96,10 +96,9 @@ pub(crate) fn run(args: &Args, quiet: bool) -> Result<u8> {
         );
     }
     let scale = args.curvature.asked().unwrap_or_else(|| args.options.scale_of_map(&style, outputs()));
-    // What is mapped is the surface of the one embedding that was chosen.
     let choices =
         Choices { regions: args.regions.clone(), samples: args.sample.clone(), ..args.options.choices() };
-    let plan = Plan { recover: false, ..choices.plan(scale)? };
+    let plan = choices.plan(scale)?;
     let control = control(inputs.len(), Voice { quiet, memory: false });
     let (scale_ledger, settings) = (plan.scale_ledger.clone(), Settings::of(&plan));
     let batch = Batch { inputs: &inputs, open: plan.open.clone(), control: &control, cure };

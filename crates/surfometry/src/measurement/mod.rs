@@ -50,7 +50,7 @@ pub use result::{
 };
 pub(crate) use scheme::MOST_SIGMA_VOXELS;
 #[cfg(feature = "io")]
-pub(crate) use settling::settled;
+pub(crate) use settling::again;
 pub use streaming::{Progress, StreamError, Streamed};
 pub use voxel_map::{Outside, VoxelQuantity};
 

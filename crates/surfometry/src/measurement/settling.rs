@@ -46,7 +46,7 @@ impl Measurement {
         let object = self.prepare(mask)?;
         let measured = object.measure();
         let Some(choices) = self.recovering() else { return Ok(measured) };
-        settled(&choices, object, measured).map(|(_, measured)| measured)
+        Ok(again(&choices, &object, &measured)?.map_or(measured, |(_, recovered)| recovered))
     }
 
     /// The choices by which doubtful objects are measured again; `None` where the blur is the caller's own choice.
@@ -84,20 +84,20 @@ impl Measured {
     }
 }
 
-/// An object and its numbers, by other choices where it is doubtful and their errors are the smaller ones.
-pub(crate) fn settled(
+/// A doubtful object by other choices, with its numbers, where their errors are the smaller ones.
+pub(crate) fn again(
     choices: &Measurement,
-    object: Object,
-    measured: Measured,
-) -> Result<(Object, Measured), MeasureError> {
+    object: &Object,
+    measured: &Measured,
+) -> Result<Option<(Object, Measured)>, MeasureError> {
     if !measured.is_doubtful() {
-        return Ok((object, measured));
+        return Ok(None);
     }
-    let again = choices.prepare(object.mask())?.under(object.control());
-    let mut found = again.measure();
+    let other = choices.prepare(object.mask())?.under(object.control());
+    let mut found = other.measure();
     if found.uncertainty() >= measured.uncertainty() {
-        return Ok((object, measured));
+        return Ok(None);
     }
     found.timings = found.timings.plus(&measured.timings);
-    Ok((again, found))
+    Ok(Some((other, found)))
 }

@@ -20,7 +20,7 @@ use std::sync::{Mutex, PoisonError};
 /// let (inputs, control) = (["phantom:ball?radius=6".to_owned()], Control::default());
 /// let batch = Batch { inputs: &inputs, open: Default::default(), control: &control, cure: |_| None };
 /// let task = MapTask {
-///     plan: Plan { recover: false, ..Plan::default() },
+///     plan: Plan::default(),
 ///     against: None,
 ///     files: vec![mesh.clone()],
 ///     style: MapStyle::default(),
@@ -76,7 +76,7 @@ impl Task for MapTask {
             files.iter().filter(|path| MapFile::of_path(path) == Some(MapFile::Voxels)).collect();
         let mut joint = (self.style.together && !voxels.is_empty())
             .then(|| JointMaps::new(&self.style.voxels, self.style.outside));
-        for object in reading.objects() {
+        for object in reading.mapped_objects() {
             let mut object = object?;
             object.surface();
             input.control.check()?;

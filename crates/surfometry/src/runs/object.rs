@@ -5,7 +5,7 @@ use super::fingerprint::Fingerprint;
 use super::{ExplainTopology, Failure, Plan, Record, RunError};
 use crate::accuracy::{Flag, FlagCode};
 use crate::inputs::{Preparations, PreparedObject, input_title};
-use crate::measurement::{Looked, Measured, Object, RegionMembership, Regions, settled};
+use crate::measurement::{Looked, Measured, Object, RegionMembership, Regions, again};
 use crate::phantoms::Truth;
 use crate::surface::Surface;
 use crate::tiling::WorkTime;
@@ -52,7 +52,9 @@ pub struct InputObject {
     pub(super) local: Option<Object>,
     /// The sigma of all of its surface, mm, where each vertex was to have one of its own and the mask may be noisy.
     pub(super) one_scale_mm: Option<f64>,
-    /// How it is measured again where that is doubtful.
+    /// The same in the embedding that its numbers are of, where that is another one than its volume is shown in.
+    pub(super) numbered: Option<Object>,
+    /// How it is measured again where that is doubtful; `None` where the blur is the caller's own choice.
     pub(super) recovering: Option<Measurement>,
     pub(super) surface: OnceLock<Surface>,
     /// Its numbers, where they had to be known to choose the embedding.
@@ -147,18 +149,45 @@ impl InputObject {
     /// The same in the embedding in which it is to be measured and shown: the one that gives it back where the blur loses
     /// detail.
     pub(super) fn settled(mut self) -> Result<Self, RunError> {
-        let Some(choices) = &self.recovering else { return Ok(self) };
+        if let Some(recovered) = self.recovered()? {
+            self.object = recovered;
+        }
+        Ok(self)
+    }
+
+    /// The same with the numbers of the embedding in which it is to be measured, and shown as it was: the surface of one
+    /// that is mapped at scales of its own is not that of the blur, and so are its numbers and warnings.
+    pub(super) fn settled_beside_map(mut self) -> Result<Self, RunError> {
+        if self.local.is_some() {
+            self.numbered = self.recovered()?;
+        }
+        Ok(self)
+    }
+
+    /// Measures it, and again where that is doubtful; the object by which it is known then, where that is another one.
+    fn recovered(&mut self) -> Result<Option<Object>, RunError> {
+        let Some(choices) = self.recovering else { return Ok(None) };
         let measured = self.measured.take().unwrap_or_else(|| self.object.measure());
-        let (object, measured) = settled(choices, self.object, measured)?;
+        let found = again(&choices, &self.object, &measured)?;
         self.facts.control.check()?;
-        Ok(Self { object, measured: Some(measured), ..self })
+        let (object, measured) = match found {
+            Some((object, recovered)) => (Some(object), recovered),
+            None => (None, measured),
+        };
+        self.measured = Some(measured);
+        Ok(object)
+    }
+
+    /// The object that its numbers are of.
+    fn numbered(&self) -> &Object {
+        self.numbered.as_ref().unwrap_or(&self.object)
     }
 
     /// Its numbers, and where its topology changes, as far as that is asked.
     pub(super) fn explained(&self) -> Measured {
         let mut measured = self.measured.clone().unwrap_or_else(|| self.object.measure());
         if let Some(looked) = what_is_explained(&mut measured, self.facts.explain) {
-            explain_topology(&self.object, &mut measured, looked);
+            explain_topology(self.numbered(), &mut measured, looked);
         }
         measured
     }
@@ -194,7 +223,7 @@ impl InputObject {
     pub fn record(&self) -> Record {
         let mut measured = self.explained();
         let beside = &self.facts.beside;
-        let regions = beside.regions.as_ref().map(|regions| self.object.regions(&measured, regions));
+        let regions = beside.regions.as_ref().map(|regions| self.numbered().regions(&measured, regions));
         measured.flags.splice(0..0, self.input_flags());
         self.tell_of_one_scale(&mut measured.flags);
         measured.flags.extend(self.flags_beside.iter().cloned());

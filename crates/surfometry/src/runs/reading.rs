@@ -160,7 +160,7 @@ impl<'a> Reading<'a> {
     pub(super) fn looked_again(&self, number: usize, measured: Measured) -> Result<Measured, RunError> {
         let mut known = measured;
         for object in self.objects_at(number, self.plan) {
-            known = InputObject { measured: Some(known), ..object? }.settled()?.explained();
+            known = settled(InputObject { measured: Some(known), ..object? }, self.plan)?.explained();
         }
         self.control.check()?;
         Ok(known)
@@ -176,6 +176,19 @@ impl<'a> Reading<'a> {
         &'s self,
         plan: &'s Plan,
     ) -> impl Iterator<Item = Result<InputObject, RunError>> + 's {
+        self.each(plan, settled)
+    }
+
+    /// The same objects in the embedding that was chosen, which is what a map is of.
+    pub(super) fn mapped_objects(&self) -> impl Iterator<Item = Result<InputObject, RunError>> + '_ {
+        self.each(self.plan, settled_beside_map)
+    }
+
+    fn each<'s>(
+        &'s self,
+        plan: &'s Plan,
+        settled: fn(InputObject, &Plan) -> Result<InputObject, RunError>,
+    ) -> impl Iterator<Item = Result<InputObject, RunError>> + 's {
         let count = self.count();
         let tell = move |number: usize| {
             let input = &self.facts.input;
@@ -187,7 +200,7 @@ impl<'a> Reading<'a> {
                 return vec![Err(error)];
             }
             let objects = self.objects_at(number, plan).into_iter();
-            objects.map(|object| object?.settled()).collect()
+            objects.map(|object| settled(object?, plan)).collect()
         })
     }
 
@@ -258,7 +271,7 @@ impl<'a> Reading<'a> {
             scale => Some(measurement.for_local_curvature(&mask, scale)?.prepare(&mask)?.under(self.control)),
         };
         let object = measurement.prepare(mask)?;
-        let recovering = measurement.recovering().filter(|_| plan.recover);
+        let recovering = measurement.recovering();
         let of_vertices = matches!(plan.curvature, CurvatureScale::Auto | CurvatureScale::Local)
             && measurement.clip != Clip::Exclude;
         let one_scale = local.as_ref().filter(|local| of_vertices && !local.has_scales_of_vertices());
@@ -292,6 +305,7 @@ impl<'a> Reading<'a> {
             count: self.count(),
             object: object.under(self.control),
             local: None,
+            numbered: None,
             recovering: None,
             one_scale_mm: None,
             surface: OnceLock::new(),
@@ -300,6 +314,16 @@ impl<'a> Reading<'a> {
             flags_beside: Vec::new(),
         }
     }
+}
+
+/// An object in the embedding in which a plan measures and shows it.
+fn settled(object: InputObject, plan: &Plan) -> Result<InputObject, RunError> {
+    if plan.recover { object.settled() } else { Ok(object) }
+}
+
+/// An object in the embedding that was chosen, with the numbers by which a plan knows it.
+fn settled_beside_map(object: InputObject, plan: &Plan) -> Result<InputObject, RunError> {
+    if plan.recover { object.settled_beside_map() } else { Ok(object) }
 }
 
 /// The interfaces of what was selected, with the names of their labels; `None` where they are not asked for.

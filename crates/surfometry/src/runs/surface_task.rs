@@ -11,8 +11,7 @@ use std::sync::Arc;
 /// let (inputs, control) = (["phantom:ball?radius=6".to_owned()], Control::default());
 /// let batch = Batch { inputs: &inputs, open: Default::default(), control: &control, cure: |_| None };
 /// let mut found = Collected::default();
-/// let plan = Plan { recover: false, ..Plan::default() };
-/// batch.run(&SurfaceTask { plan, against: None }, &mut found)?;
+/// batch.run(&SurfaceTask { plan: Plan::default(), against: None }, &mut found)?;
 /// assert!(found.results[0].surface.mesh.is_closed());
 /// # Ok::<(), std::io::Error>(())
 /// ```
@@ -41,7 +40,7 @@ impl Task for SurfaceTask {
     fn run(&self, input: &Opened, out: &mut dyn FnMut(Item<MappedSurface>)) -> Result<(), RunError> {
         input.begin_hashing();
         let reading = Reading::of(input, &self.plan)?;
-        for object in reading.objects() {
+        for object in reading.mapped_objects() {
             let mut object = object?;
             object.surface();
             input.control.check()?;
