@@ -161,9 +161,10 @@ def main():
         (corpus / target).mkdir()
         for name, text in files.items():
             (corpus / target / name).write_text(text)
-    (corpus / "object").mkdir()
-    for number in range(4):
-        (corpus / "object" / f"{number}").write_bytes(np.random.default_rng(number).bytes(40 + 60 * number))
+    for target in ["object", "speck"]:
+        (corpus / target).mkdir()
+        for number in range(4):
+            (corpus / target / f"{number}").write_bytes(np.random.default_rng(number).bytes(40 + 60 * number))
 
 
 main()

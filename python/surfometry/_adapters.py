@@ -7,23 +7,24 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
-from typing import Any
+from dataclasses import dataclass, replace
+from typing import Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
 from . import _core
 from ._errors import InputError, UnsupportedTypeError
-from ._image import Frame, Image, Rows, names_of, native, three_axes
+from ._image import Axes, Frame, Image, Rows, names_of, native, three_axes
 
-# mm in the units that images of other libraries name; what has no unit counts as mm.
+# mm in the units that images of other libraries name, those of files' headers (`mm_per`); no name counts as mm.
 _MILLIMETRES = {
-    "": 1.0, "mm": 1.0, "millimeter": 1.0, "millimetre": 1.0, "pixel": 1.0, "unknown": 1.0, "voxel": 1.0,
-    "um": 1e-3, "µm": 1e-3, "μm": 1e-3, "micron": 1e-3, "micrometer": 1e-3, "micrometre": 1e-3,
-    "nm": 1e-6, "nanometer": 1e-6, "nanometre": 1e-6, "cm": 10.0, "centimeter": 10.0, "centimetre": 10.0,
-    "m": 1e3, "meter": 1e3, "metre": 1e3,
+    "": 1.0, "mm": 1.0, "millimeter": 1.0, "um": 1e-3, "µm": 1e-3, "μm": 1e-3, "micron": 1e-3, "micrometer": 1e-3,
+    "nm": 1e-6, "nanometer": 1e-6, "å": 1e-7, "angstrom": 1e-7, "cm": 10.0, "centimeter": 10.0, "m": 1e3, "meter": 1e3,
+    "in": 25.4, "inch": 25.4, "inche": 25.4,
 }  # fmt: skip
+# What nibabel and napari say of an image whose unit nobody set, which is what most are: lengths are mm then.
+_NOT_SET = ("unknown", "pixel", "voxel")
 # How far steps of coordinates may differ, in units of the step.
 _REGULAR = 1e-3
 
@@ -98,6 +99,13 @@ def _of_nibabel(image: Any) -> Image:
     voxels = np.asanyarray(image.dataobj)
     while voxels.ndim > 3 and voxels.shape[-1] == 1:
         voxels = voxels[..., 0]
+    if voxels.ndim > 3 and voxels.shape[0] == 1:
+        # As of the same file by its path.
+        raise InputError(
+            f"the axes are {list(image.shape)}: the first one, of a single sample, is a channel and not x, so the spacings "
+            "that the header names belong to other axes; make an image of the three axes of space with their affine",
+            field="image",
+        )
     affine = np.array(image.affine, dtype=float)
     if hasattr(image.header, "get_xyzt_units"):
         affine[:3] *= _millimetres(image.header.get_xyzt_units()[0])
@@ -118,27 +126,30 @@ def _typed_header(header: Any, array: NDArray[Any]) -> Any:
 
 
 def _of_xarray(image: Any) -> Image:
-    spatial = image.squeeze([dim for dim in image.dims if image.sizes[dim] == 1][: max(0, image.ndim - 3)])
-    given = spatial.dims
-    named = {str(dim).lower() for dim in given} == {"x", "y", "z"}
-    order = sorted(given, key=lambda dim: "zyx".index(str(dim).lower())) if named else list(given)
-    if len(order) != 3:
+    single = [dim for dim in image.dims if image.sizes[dim] == 1]
+    # A time or channel goes before an axis of space that has one voxel.
+    single.sort(key=lambda dim: str(dim).lower() in ("x", "y", "z"))
+    spatial = image.squeeze(single[: max(0, image.ndim - 3)])
+    if spatial.ndim != 3:
         three_axes(spatial.values)
-    # In the order z, y, x, which is the order in which a spacing is given as well.
-    ordered = spatial.transpose(*order)
+    letters = [str(dim).lower() for dim in spatial.dims]
+    # As passed, for a spacing is given in the order of the axes.
+    axes = cast(Axes, "".join(letters)) if sorted(letters) == ["x", "y", "z"] else "zyx"
+    steps: list[_Step] = []
+    if all(dim in spatial.coords for dim in spatial.dims):
+        steps = [_step(spatial.coords[spatial.dims[axes.index(axis)]]) for axis in "xyz"]
+    unspaced = next((step.unknown for step in steps if step.unknown), "")
     affine = None
-    if all(dim in ordered.coords for dim in order):
-        steps = [_step(ordered.coords[dim], str(dim)) for dim in reversed(order)]
-        origin = [float(ordered.coords[dim].values[0]) * unit for dim, (_, unit) in zip(reversed(order), steps, strict=True)]
-        lengths = [step * unit for step, unit in steps]
-        affine = _xarray_affine(image.attrs.get("direction"), lengths, origin)
+    if steps and not unspaced:
+        affine = _xarray_affine(image.attrs.get("direction"), [step.mm for step in steps], [step.first for step in steps])
 
     def like(array: NDArray[Any]) -> object:
-        return ordered.copy(data=array).transpose(*given)
+        return spatial.copy(data=array)
 
-    frame: Frame = "LPS" if "direction" in image.attrs else "own"
+    # An image that has no place lies among the axes of its array.
+    frame: Frame = "LPS" if affine is not None and "direction" in image.attrs else "own"
     name = str(image.name) if image.name is not None else "DataArray"
-    return Image(three_axes(ordered.values), "zyx", affine, name, frame=frame, like=like)
+    return Image(three_axes(spatial.values), axes, affine, name, frame=frame, like=like, unspaced=unspaced)
 
 
 def _xarray_affine(direction: Any, steps: list[float], origin: list[float]) -> Rows:
@@ -150,12 +161,20 @@ def _xarray_affine(direction: Any, steps: list[float], origin: list[float]) -> R
     return _itk_affine(np.flip(np.asarray(direction, dtype=float)), steps, origin)
 
 
-def _step(coordinate: Any, name: str) -> tuple[float, float]:
-    """The step of a coordinate in its unit, and its unit in mm."""
+@dataclass(frozen=True)
+class _Step:
+    """The step of a coordinate and its first value, mm; or why they are not known."""
+
+    mm: float = 1.0
+    first: float = 0.0
+    unknown: str = ""
+
+
+def _step(coordinate: Any) -> _Step:
+    name = str(coordinate.name)
     values = np.asarray(coordinate.values, dtype=float)
-    unit = _millimetres(coordinate.attrs.get("units", ""))
     if len(values) < 2:
-        return 1.0, unit
+        return _Step(unknown=f"the coordinate {name} has one value, and no step")
     steps = np.diff(values)
     step = float((values[-1] - values[0]) / (len(values) - 1))
     if step == 0.0 or not np.all(np.abs(steps - step) <= _REGULAR * abs(step)):
@@ -164,7 +183,11 @@ def _step(coordinate: Any, name: str) -> tuple[float, float]:
             "to a regular lattice first",
             field="image",
         )
-    return step, unit
+    unit = coordinate.attrs.get("units")
+    mm = _mm_per("" if unit is None else unit)
+    if mm is None:
+        return _Step(unknown=f"the coordinate {name} is in `{unit}`, which is no length that is known")
+    return _Step(step * mm, float(values[0]) * mm)
 
 
 def _of_napari(layer: Any) -> Image:
@@ -176,7 +199,10 @@ def _of_napari(layer: Any) -> Image:
         return np.asarray(layer.data_to_world([*place[:leading], *index]), dtype=float)[leading:]
 
     corner = world(0, 0, 0)
-    units = napari_units(layer)
+    try:
+        units = napari_units(layer)
+    except InputError as unknown:
+        return Image(three_axes(data), name=str(layer.name), unspaced=str(unknown))
     columns = [world(*step) - corner for step in np.eye(3)]
     # napari's axes and world both go z, y, x.
     linear = (np.array(columns).T * units[:, None])[::-1, ::-1]
@@ -276,11 +302,22 @@ def _is_array(image: object) -> bool:
     return isinstance(image, (np.ndarray, Sequence)) or hasattr(image, "__array__")
 
 
+def _mm_per(unit: object) -> float | None:
+    """mm in a unit of length, in whatever case; None for an unknown one."""
+    # pint writes a unit as a quantity of one.
+    word = str(unit).strip().lower().removeprefix("1 ").replace("metre", "meter")
+    # Words have a plural; `ms` and `s` are times.
+    return _MILLIMETRES.get(word.removesuffix("s") if len(word) > 4 else word)
+
+
 def _millimetres(unit: object) -> float:
-    word = str(unit).strip().lower().split(" ")[-1]
-    if word not in _MILLIMETRES:
-        raise InputError(f"lengths in {unit}: no length that is known; give spacing= in mm", field="image", hint="spacing=")
-    return _MILLIMETRES[word]
+    """Of nibabel and napari."""
+    if str(unit).strip().lower() in _NOT_SET:
+        return 1.0
+    mm = _mm_per(unit)
+    if mm is None:
+        raise InputError(f"lengths are in `{unit}`, which is no length that is known", field="spacing")
+    return mm
 
 
 def _lps_swapped(affine: NDArray[Any]) -> NDArray[Any]:

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from ._errors import InputError, ParameterError, UnsupportedTypeError
 
 #: Which axis of an array runs along which axis of the lattice: first to last.
-Axes: TypeAlias = Literal["zyx", "xyz"]
+Axes: TypeAlias = Literal["zyx", "zxy", "yzx", "yxz", "xzy", "xyz"]
 #: The frame of world coordinates; ``own`` is whatever the image says.
 Frame: TypeAlias = Literal["RAS", "LPS", "own"]
 #: Rows of a matrix from index (x, y, z) to world, mm.
@@ -31,8 +31,8 @@ class Image:
     ----------
     array : ndarray
         The voxels, three axes, in the order of whatever the image was made of.
-    axes : {"zyx", "xyz"}
-        What the axes of `array` are; x is the lattice's first axis, named first in all results.
+    axes : {"zyx", "xyz", ...}
+        What the axes of `array` are, in any order; x is the lattice's first axis, named first in all results.
     affine : list of three rows, or None
         From index (x, y, z) to world (RAS), mm; None where nothing is known.
     name : str
@@ -54,30 +54,39 @@ class Image:
     truth: dict[str, float] | None = None
     #: Makes an image of the same kind in the same place, of an array in this order of axes.
     like: Callable[[NDArray[Any]], object] = _same
+    #: Why there is no spacing, in the words of an error, where more can be said than that there is none.
+    unspaced: str = ""
+
+    def __post_init__(self) -> None:
+        if sorted(self.axes) != ["x", "y", "z"]:
+            raise ParameterError(
+                f"axes={self.axes!r}: the letters x, y and z in the order of the array's axes, such as 'zyx'", field="axes"
+            )
 
     @property
     def spacing(self) -> tuple[float, float, float] | None:
         """Distance between voxels in mm, in the order of the array's axes."""
         if self.affine is None:
             return None
-        x, y, z = (float(length) for length in np.linalg.norm(np.array(self.affine)[:, :3], axis=0))
-        return (x, y, z) if self.axes == "xyz" else (z, y, x)
+        lengths = np.linalg.norm(np.array(self.affine)[:, :3], axis=0)
+        first, second, third = (float(lengths["xyz".index(axis)]) for axis in self.axes)
+        return first, second, third
 
     @property
     def voxels(self) -> NDArray[Any]:
         """The array as (z, y, x), a view."""
-        return self.array.T if self.axes == "xyz" else self.array
+        return np.transpose(self.array, [self.axes.index(axis) for axis in "zyx"])
 
     def given_back(self, array: NDArray[Any]) -> object:
         """An array (z, y, x) as an image of this kind, in the same place."""
-        return self.like(array.T if self.axes == "xyz" else array)
+        return self.like(np.transpose(array, ["zyx".index(axis) for axis in self.axes]))
 
     def __repr__(self) -> str:
         return f"Image({self.name}, {self.array.shape} {self.array.dtype}, spacing={self.spacing})"
 
 
 def spacing_words(spacing: float | Sequence[float] | None, axes: Axes) -> list[float] | None:
-    """A spacing in the order of an array's axes, x first."""
+    """A spacing in the order of an array's axes, as x, y, z."""
     if spacing is None:
         return None
     try:
@@ -85,7 +94,7 @@ def spacing_words(spacing: float | Sequence[float] | None, axes: Axes) -> list[f
     except (TypeError, ValueError) as error:
         message = f"spacing={spacing!r}: three numbers in mm, in the order of the array's axes, or one for all"
         raise ParameterError(message, field="spacing") from error
-    return lengths if axes == "xyz" else lengths[::-1]
+    return [lengths[axes.index(axis)] for axis in "xyz"]
 
 
 def native(array: NDArray[Any]) -> NDArray[Any]:

@@ -39,8 +39,9 @@ def opened(image: object, spacing: float | Sequence[float] | None, name: str | N
     known = readable(image_of(image), name)
     if known.affine is None and spacing is None:
         hint = "spacing=, in mm, in the order of the array's axes"
+        why, it = (known.unspaced, "the voxel spacing") if known.unspaced else ("it holds no voxel spacing", "it")
         raise InputError(
-            f"{known.name}: it holds no voxel spacing: say what it is ({hint}; spacing=1 where a voxel is the unit)",
+            f"{known.name}: {why}: say what {it} is ({hint}; spacing=1 where a voxel is the unit)",
             field="spacing",
             hint=hint,
         )

@@ -401,6 +401,17 @@ def test_a_representation_that_there_is_not(tmp_path):
     assert "claims 2433941536 bytes" in surfometry_error("info", path)
 
 
+def test_an_item_in_no_sequence(tmp_path):
+    """It is read as an element: 2.7 GB were made room for in a file of 3 kB (found by fuzz/)."""
+    path = tmp_path / "a.dcm"
+    slice_of(body(), 3).save_as(path, enforce_file_format=True)
+    data = bytearray(path.read_bytes())
+    at = data.index(b"\x20\x00\x13\x00IS")
+    data[at : at + 8] = b"\xfe\xff\0\xe0" + (2684354638).to_bytes(4, "little")
+    path.write_bytes(data)
+    assert "claims 2684354638 bytes" in surfometry_error("info", path)
+
+
 def test_a_length_in_big_endian_order(tmp_path):
     """Out of use, but read: 2 GB were made room for in a file of 5 kB (found by fuzz/)."""
     path = tmp_path / "a.dcm"

@@ -147,9 +147,37 @@ def test_where_a_nrrd_without_directions_lies(tmp_path, centers):
     path = nrrd_of(tmp_path / "a.nrrd", image, *fields)
     affine = np.diag([0.8, 1, 1.5, 1])
     affine[:3, 3] = sitk.ReadImage(path).GetOrigin()
-    check(path, image, affine)
+    check(path, image, LPS @ affine)
     nrrd_of(path, image, "spacings: 0.8 1 1.5", "axis mins: 10 nan 30.5")
-    check(path, image, np.diag([0.8, 1, 1.5, 1]))
+    check(path, image, np.diag([-0.8, -1, 1.5, 1]))
+
+
+def in_world(image):
+    """An ITK image's affine, RAS."""
+    affine = np.eye(4)
+    affine[:3, :3] = np.reshape(image.GetDirection(), (3, 3)) * image.GetSpacing()
+    affine[:3, 3] = image.GetOrigin()
+    return LPS @ affine
+
+
+@pytest.mark.parametrize("space", ["space dimension: 3", "space: 3D-right-handed", "space: scanner-xyz", "space: 3D-left-handed"])
+def test_a_nrrd_that_does_not_say_where_the_patient_is(tmp_path, space):
+    """As ITK has it, and so as its other formats have the same image."""
+    image = labels("uint8")
+    path = nrrd_of(tmp_path / "a.nrrd", image, space, "space directions: (0.8,0,0) (0,0,1.5) (0,1,0)", "space origin: (10,-5,7)")
+    check(path, image, in_world(sitk.ReadImage(path)))
+
+
+def test_itk_writes_a_series_of_one(tmp_path):
+    """Its NRRD has no name of a space then."""
+    image = labels("uint8")
+    one = sitk.GetImageFromArray(image.T)
+    one.SetSpacing((0.8, 1, 1.5))
+    one.SetOrigin((10, -5, 7))
+    for ending in ["nrrd", "mha", "nii"]:
+        path = tmp_path / f"a.{ending}"
+        sitk.WriteImage(sitk.JoinSeries([one]), path)
+        check(path, image, in_world(one))
 
 
 @pytest.mark.parametrize(
@@ -164,7 +192,7 @@ def test_a_nrrd_of_one_time(tmp_path, space, turn):
     affine[:3, 3] = [turn[0], 2 * turn[1], 3]
     check(path, image, affine)
     times = ["spacings: 800 1000 1500 nan", 'units: "um" "um" "um" "s"', "kinds: domain domain domain time"]
-    check(nrrd_of(path, image[..., None], *times), image, np.diag([0.8, 1, 1.5, 1]))
+    check(nrrd_of(path, image[..., None], *times), image, np.diag([-0.8, -1, 1.5, 1]))
 
 
 def test_metaimage_with_colons(tmp_path):

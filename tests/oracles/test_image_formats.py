@@ -136,6 +136,17 @@ def test_tiff_of_imagej(tmp_path, unit, factor, truncate):
     check(tmp_path / "a.tif", image, placed(), tolerance=1e-4)
 
 
+def test_tiff_of_imagej_in_latin_1(tmp_path):
+    image = labels("uint8")
+    x, y, z = (length * 1000 for length in SPACING)
+    metadata = {"spacing": z, "unit": "um", "axes": "ZYX"}
+    tifffile.imwrite(tmp_path / "a.tif", stored(image), imagej=True, resolution=(1 / x, 1 / y), metadata=metadata)
+    data = (tmp_path / "a.tif").read_bytes()
+    assert data.count(b"unit=um\n") == 1
+    (tmp_path / "a.tif").write_bytes(data.replace(b"unit=um\n", b"unit=\xb5m\n"))
+    check(tmp_path / "a.tif", image, placed(), tolerance=1e-4)
+
+
 def test_tiff_of_imagej_with_a_unit_an_axis(tmp_path):
     image = labels("uint8")
     x, y, z = SPACING
@@ -223,6 +234,55 @@ def test_folder_of_slices(tmp_path, ending):
         check(folder, image, placed(), *GIVEN)
         (folder / f"slice_12.{ending}").unlink()
         assert f"between slice_11.{ending} and slice_13.{ending}" in refused(folder, *GIVEN)
+
+
+@pytest.mark.parametrize("name", ["Series003_z{:02}_ch00.tif", "bone_{:04}_seg2.png", "s{}_seg2.tif", "scan_10um_{:03}.png", "a-{}.x.png"])
+def test_slices_whose_names_have_other_numbers(tmp_path, name):
+    image = labels("uint8")
+    for z, page in enumerate(stored(image), start=3):
+        Image.fromarray(page).save(tmp_path / name.format(z))
+    check(tmp_path, image, placed(), *GIVEN)
+
+
+def test_slices_whose_names_differ_in_several_numbers(tmp_path):
+    for folder, name, said in [
+        ("channels", "s_z{0:02}_ch{1}.png", "(s_z00 to s_z04, _ch0 to _ch1)"),
+        ("decimals", "s{0}.{2}.png", "(s0 to s4, .0 to .5)"),
+    ]:
+        (tmp_path / folder).mkdir()
+        for z, page in enumerate(stored(labels("uint8"))[:5]):
+            for part in range(2):
+                Image.fromarray(page).save(tmp_path / folder / name.format(z, part, 5 * part))
+        error = refused(tmp_path / folder, *GIVEN)
+        assert "differ in 2 numbers" in error and said in error and "into a folder of its own, or rename" in error
+    # The cure works.
+    (tmp_path / "one").mkdir()
+    for path in (tmp_path / "channels").glob("*_ch1.png"):
+        path.rename(tmp_path / "one" / path.name)
+    for folder in ["one", "channels"]:
+        check(tmp_path / folder, labels("uint8")[:, :, :5], placed(), *GIVEN)
+
+
+@pytest.mark.parametrize("ending, words", [("bmp", "convert"), ("jpg", "labels are damaged")])
+def test_slices_of_other_pictures(tmp_path, ending, words):
+    """As scanners export them."""
+    for z, page in enumerate(stored(labels("uint8"))[:9]):
+        Image.fromarray(page).save(tmp_path / f"s_{z:04}.{ending}")
+    (tmp_path / "s_rec.log").write_text("[System]")
+    for path, what in [(tmp_path, f"9 .{ending} pictures"), (tmp_path / f"s_0003.{ending}", f"a .{ending} picture")]:
+        error = refused(path, *GIVEN)
+        assert what in error and words in error and "PNG or TIFF" in error and "--raw" not in error
+
+
+def test_meshes_that_are_not_read(tmp_path):
+    vertices, faces = np.eye(4, 3), np.array([[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])
+    nib.freesurfer.write_geometry(tmp_path / "lh.white", vertices, faces)
+    grid = pyvista.UnstructuredGrid(np.insert(faces, 0, 3, axis=1).ravel(), np.full(4, 5, np.uint8), vertices)
+    grid.save(tmp_path / "a.vtu")
+    (tmp_path / "a.gltf").write_text('{"asset": {"version": "2.0"}}')
+    for name, words in [("lh.white", "mris_convert"), ("a.vtu", "unstructured grid"), ("a.gltf", "glTF")]:
+        error = refused(tmp_path / name)
+        assert words in error and "GLB (.glb)" in error and "--spacing X,Y,Z" in error and "--raw" not in error
 
 
 def test_png_slices_of_one_bit_and_palettes(tmp_path):

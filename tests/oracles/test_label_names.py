@@ -51,6 +51,19 @@ def test_caret_label_table(tmp_path, name, kind, code):
     assert [entry["colour"] for entry in info(path)["labels"]] == ["#338000", "#808000", "#e68000"]
 
 
+def test_a_label_with_two_names_in_an_image(tmp_path):
+    """As in a table beside it."""
+    twice = caret(NAMES).get_content()
+    for name, refused in [(b"Liver", False), (b"lung", True)]:
+        row = b'<Label Key="2" Red="0" Green="0" Blue="0" Alpha="1"><![CDATA[' + name + b"]]></Label>\n</LabelTable>"
+        path = nifti(tmp_path / "a.nii", [nib.nifti1.Nifti1Extension(0, twice.replace(b"</LabelTable>", row))])
+        if refused:
+            error = surfometry_error("info", path)
+            assert "label 2 has two names, `Liver` (entry 1) and `lung` (entry 4)" in error and "-volume-label-import" in error
+        else:
+            assert names_of(path) == NAMES
+
+
 def test_broken_extensions_leave_the_numbers(tmp_path):
     path = nifti(tmp_path / "a.nii", [caret(NAMES)])
     whole = path.read_bytes()
@@ -105,6 +118,23 @@ def test_a_table_of_freesurfer_wins_label_by_label(tmp_path):
     (tmp_path / "lut.txt").write_text("#No. Label Name: R G B A\n0 Unknown 0 0 0 0\n2 Left-Hepar 1 2 3 0\n")
     assert names_of(path, "--names", tmp_path / "lut.txt") == NAMES | {2: "Left-Hepar"}
     assert info(path, "--names", tmp_path / "lut.txt")["labels"][0]["colour"] == "#010203"
+
+
+COLOURED = {
+    "slicer.csv": 'LabelValue,Name,Color_R,Color_G,Color_B,Color_A,Segmented property category\n2,Liver,221,130,101,255,\n5,"kidney, left",185,102,83,255,\n9,spleen,157,108,162,255,\n',
+    "short.csv": 'label,name,R,G,B\n2,Liver,221,130,101\n5,"kidney, left",185,102,83\n9,spleen,157,108,162\n',
+    "words.tsv": "Red\tGreen\tBlue\tName\tLabel\n221\t130\t101\tLiver\t2\n185\t102\t83\tkidney, left\t5\n157\t108\t162\tspleen\t9\n",
+    "slicer.txt": '# Color table\n2 "Liver" 221 130 101 255\n5 "kidney, left" 185 102 83 255\n9 spleen 157 108 162 255\n',
+}
+
+
+@pytest.mark.parametrize("table", COLOURED)
+def test_colours_of_tables(tmp_path, table):
+    path = nifti(tmp_path / "a.nii.gz", [])
+    (tmp_path / table).write_text(COLOURED[table])
+    assert names_of(path, "--names", tmp_path / table) == NAMES
+    colours = [entry["colour"] for entry in info(path, "--names", tmp_path / table)["labels"]]
+    assert colours == ["#dd8265", "#b96653", "#9d6ca2"]
 
 
 @pytest.mark.parametrize("text", ["", "nonsense\n", "{}", '{"labels": 3}', '{"liver": "x"}', "label,name\nx,liver\n", "\0\1\2"])

@@ -1,5 +1,7 @@
 """Images of other libraries: three sizes, three spacings, an oblique direction; results come back in their place."""
 
+import itertools
+import re
 import types
 
 import nibabel
@@ -128,6 +130,18 @@ def test_mgz_is_big_endian(tmp_path):
     check_surface(nibabel_image(), lambda index: (nibabel_image().affine @ [*index, 1])[:3])
 
 
+def test_nibabel_with_a_channel_in_front_is_refused_as_its_file_is(tmp_path):
+    """The affine is that of the first three axes, of which the channel is one."""
+    kept = nibabel_image()
+    image = nibabel.Nifti1Image(np.asanyarray(kept.dataobj)[None], kept.affine)
+    nibabel.save(image, tmp_path / "body.nii")
+    for given, spacing in itertools.product([image, nibabel.load(tmp_path / "body.nii"), tmp_path / "body.nii"], [None, X_FIRST]):
+        with pytest.raises(surfometry.InputError, match="is a channel and not x, so the spacings that the header names belong"):
+            surfometry.measure(given, spacing)
+    behind = nibabel.Nifti1Image(np.asanyarray(kept.dataobj)[..., None, None], kept.affine)
+    assert numbers(surfometry.measure(behind)) == numbers(surfometry.measure(kept))
+
+
 def data_array(dims=("z", "y", "x"), unit="mm", scale=1.0):
     coordinates = {
         dim: (dim, (ORIGIN[2 - n] + np.arange(SHAPE[n]) * SPACING[n]) * scale, {"units": unit})
@@ -154,6 +168,131 @@ def test_xarray_that_grows_downward_in_micrometres():
     plain, down = surfometry.measure(image), surfometry.measure(turned)
     assert down.to_dict()["voxels"]["centroid_mm"] == pytest.approx(plain.to_dict()["voxels"]["centroid_mm"])
     assert plain.volume == pytest.approx(surfometry.measure(data_array()).volume)
+
+
+ORDERS = list(itertools.permutations("zyx"))
+
+
+def in_order(values, dims):
+    """What has an entry an axis z, y, x, in the order of the dimensions."""
+    return [values["zyx".index(dim)] for dim in dims]
+
+
+@pytest.mark.parametrize("dims", ORDERS)
+@pytest.mark.parametrize("coordinates", ["", "x", "zy"])
+def test_xarray_has_its_spacing_in_the_order_of_its_dimensions(dims, coordinates):
+    """The numbers, the surface and the maps are those of the same voxels as an array (z, y, x)."""
+    known = data_array(dims)
+    image = xarray.DataArray(known.values, dims=dims, coords={dim: known.coords[dim] for dim in coordinates})
+    spacing = in_order(SPACING, dims)
+    plain = turned_body()
+    with pytest.raises(surfometry.InputError, match="in the order of the array's axes"):
+        surfometry.measure(image)
+    assert numbers(surfometry.measure(image, spacing)) == numbers(surfometry.measure(plain, SPACING))
+    ours, theirs = surfometry.surface(image, spacing), surfometry.surface(plain, SPACING)
+    assert np.array_equal(ours.vertices, theirs.vertices) and np.array_equal(ours.faces, theirs.faces)
+    made = surfometry.voxel_maps(image, spacing, quantities="phi")["phi"]
+    assert made.dims == dims and set(made.coords) == set(coordinates)
+    phi = surfometry.voxel_maps(plain, SPACING, quantities="phi")["phi"]
+    assert np.array_equal(made.transpose("z", "y", "x").values, phi)
+
+
+@pytest.mark.parametrize("dims", ORDERS)
+def test_every_command_has_the_spacing_of_an_xarray_in_the_same_order(dims):
+    image, plain = data_array(dims).drop_vars(list(dims)), turned_body()
+    spacing = in_order(SPACING, dims)
+
+    def both(command):
+        return command(image, spacing), command(plain, SPACING)
+
+    ours, theirs = both(lambda *given: surfometry.measure_labels(*given, name="body", as_frame=False))
+    volatile = [name for name in ours if "seconds" in name]
+    assert {**ours, **dict.fromkeys(volatile)} == {**theirs, **dict.fromkeys(volatile)}
+    ours, theirs = both(lambda *given: surfometry.reference(*given, methods=["crofton-3"], name="body"))
+    assert [one["surface_area_mm2"] for one in ours] == [one["surface_area_mm2"] for one in theirs]
+    (ours,), (theirs,) = both(lambda image, spacing: surfometry.sweep(image, [1.5], spacing))
+    assert numbers(ours) == numbers(theirs)
+
+
+@pytest.mark.parametrize("dims", ORDERS)
+def test_a_spacing_in_the_place_of_coordinates(dims):
+    """It keeps the place, and a length is not taken for another axis's."""
+    image = data_array(dims)
+    same, doubled = (surfometry.measure(image, [factor * h for h in in_order(SPACING, dims)]) for factor in (1, 2))
+    assert same.surface_area == pytest.approx(surfometry.measure(image).surface_area, rel=1e-9)
+    assert doubled.to_dict()["grid"]["spacing_mm"] == pytest.approx([2 * h for h in X_FIRST])
+    other = list(map(str.upper, dims))
+    capital = image.rename(dict(zip(dims, other)))
+    assert surfometry.measure(capital, in_order(SPACING, dims)).surface_area == same.surface_area
+
+
+def test_dimensions_of_other_names_are_z_y_x_as_an_array_is():
+    image = xarray.DataArray(turned_body(), dims=("depth", "lat", "lon"))
+    assert numbers(surfometry.measure(image, SPACING)) == numbers(surfometry.measure(turned_body(), SPACING))
+
+
+def test_a_channel_goes_before_an_axis_of_one_voxel():
+    flat = data_array(("x", "y", "z")).isel(x=slice(19, 20)).drop_vars("x").expand_dims("c", 3)
+    assert flat.shape == (1, *SHAPE[1::-1], 1)
+    assert numbers(surfometry.measure(flat, X_FIRST)) == numbers(surfometry.measure(turned_body()[:, :, 19:20], SPACING))
+
+
+def test_a_coordinate_of_one_value_tells_no_spacing():
+    flat = data_array().isel(x=slice(19, 20))
+    with pytest.raises(surfometry.InputError, match="coordinate x has one value, and no step: say what the voxel spacing is"):
+        surfometry.measure(flat)
+    assert surfometry.measure(flat, SPACING).to_dict()["grid"]["spacing_mm"] == list(X_FIRST)
+
+
+@pytest.mark.parametrize("axes", ["".join(order) for order in ORDERS])
+def test_an_image_with_its_axes_in_any_order(axes):
+    affine = lps_affine(oblique_directions(), ORIGIN)
+    image = surfometry.Image(turned_body().transpose(["zyx".index(axis) for axis in axes]), axes, affine[:3].tolist())
+    assert image.voxels.shape == SHAPE and image.spacing == pytest.approx(in_order(SPACING, axes))
+    check_place(surfometry.measure(image), affine)
+    made = surfometry.voxel_maps(image, in_order(SPACING, axes), quantities="phi")["phi"]
+    assert ((made < 0) != (image.array > 0)).mean() < 0.02
+    with pytest.raises(surfometry.ParameterError, match="the letters x, y and z"):
+        surfometry.Image(turned_body(), "zy" + axes[0].upper())
+
+
+LENGTHS = {
+    "mm": 1, "millimeter": 1, "millimetres": 1, "MM": 1, "um": 1e-3, "µm": 1e-3, "μm": 1e-3, "micron": 1e-3, "microns": 1e-3,
+    "micrometers": 1e-3, "Micrometre": 1e-3, "nm": 1e-6, "nanometres": 1e-6, "Å": 1e-7, "angstroms": 1e-7, "cm": 10,
+    "centimeters": 10, "m": 1e3, "meters": 1e3, "in": 25.4, "inch": 25.4, "inches": 25.4,
+}  # fmt: skip
+NO_LENGTHS = ["pixel", "pixels", "px", "voxel", "Voxels", "furlong", "degrees_north", "1", "0.1 mm", "unknown", "ms", "???"]
+
+
+@pytest.mark.parametrize("unit", LENGTHS)
+def test_xarray_in_units_as_they_are_read_of_files(unit, tmp_path):
+    body, length = np.ascontiguousarray(turned_body()), LENGTHS[unit]
+    measured = surfometry.measure(data_array(unit=unit, scale=1 / length))
+    assert measured.surface_area == pytest.approx(surfometry.measure(data_array()).surface_area, rel=1e-5)
+    sizes, lengths = " ".join(map(str, SHAPE[::-1])), " ".join(repr(h / length) for h in X_FIRST)
+    units = f'"{unit}" ' * 3
+    header = f"NRRD0004\ntype: uint8\ndimension: 3\nsizes: {sizes}\nspacings: {lengths}\nunits: {units}\nencoding: raw\n\n"
+    (tmp_path / "body.nrrd").write_bytes(header.encode() + body.tobytes())
+    assert surfometry.measure(tmp_path / "body.nrrd").surface_area == pytest.approx(measured.surface_area, rel=1e-5)
+
+
+@pytest.mark.parametrize("unit", NO_LENGTHS)
+def test_coordinates_in_no_length_want_a_spacing(unit):
+    """Their place is in no length either: what is measured lies as an array does."""
+    image = data_array(("y", "x", "z"), unit=unit)
+    with pytest.raises(surfometry.InputError, match=f"`{re.escape(unit)}`, which is no length that is known: say what the voxel") as raised:
+        surfometry.measure(image)
+    assert raised.value.field == "spacing" and "spacing=1 where a voxel is the unit" in str(raised.value)
+    measured = surfometry.measure(image, in_order(SPACING, "yxz"))
+    assert numbers(measured) == numbers(surfometry.measure(turned_body(), SPACING))
+    assert surfometry.voxel_maps(image, in_order(SPACING, "yxz"))["mean_curvature_per_mm"].dims == ("y", "x", "z")
+
+
+def test_coordinates_without_a_unit_are_mm():
+    image = data_array()
+    for dim in "zyx":
+        del image.coords[dim].attrs["units"]
+    assert numbers(surfometry.measure(image)) == numbers(surfometry.measure(data_array()))
 
 
 def test_xarray_of_itk():
@@ -205,6 +344,13 @@ def test_napari_layer(unit, scale, multiscale):
     affine[:3, 3] = oblique_directions() @ ORIGIN
     check_place(surfometry.measure(layer), affine)
     check_surface(layer, lambda index: (affine @ [*index, 1])[:3])
+
+
+def test_a_napari_layer_in_no_length_wants_a_spacing():
+    layer = NapariLayer("furlong")
+    with pytest.raises(surfometry.InputError, match="`furlong`, which is no length that is known: say what the voxel spacing is"):
+        surfometry.measure(layer)
+    assert numbers(surfometry.measure(layer, SPACING)) == numbers(surfometry.measure(turned_body(), SPACING))
 
 
 class Tensor:

@@ -1,7 +1,8 @@
 //! Inputs as typed, with patterns expanded where the shell did not.
 
 use clap::builder::{OsStringValueParser, TypedValueParser};
-use glob::Pattern;
+use glob::{MatchOptions, Pattern};
+use std::fs::DirEntry;
 use std::path::{Component, Path, PathBuf};
 use surfometry::inputs::shown_name;
 use surfometry::phantoms::Phantom;
@@ -48,18 +49,23 @@ fn step(folder: &Path, part: Component<'_>) -> Vec<PathBuf> {
         return folders_below(folder);
     }
     let Ok(pattern) = Pattern::new(&text) else { return Vec::new() };
-    let entries = entries(folder).filter(|entry| pattern.matches(&shown_name(&entry.file_name())));
+    // As in a shell: a leading dot is matched by itself alone, so that what macOS keeps beside a file is none of them.
+    let options = MatchOptions { require_literal_leading_dot: true, ..MatchOptions::default() };
+    let entries =
+        entries(folder).filter(|entry| pattern.matches_with(&shown_name(&entry.file_name()), options));
     entries.map(|entry| folder.join(entry.file_name())).collect()
 }
 
-/// A folder and all in it; links are not followed, which may lead back.
+/// A folder and all in it, but hidden ones; links are not followed, which may lead back.
 fn folders_below(folder: &Path) -> Vec<PathBuf> {
-    let inner = entries(folder).filter(|entry| entry.file_type().is_ok_and(|kind| kind.is_dir()));
+    let is_shown = |entry: &DirEntry| !entry.file_name().to_string_lossy().starts_with('.');
+    let is_folder = |entry: &DirEntry| entry.file_type().is_ok_and(|kind| kind.is_dir());
+    let inner = entries(folder).filter(|entry| is_folder(entry) && is_shown(entry));
     let below = inner.flat_map(|entry| folders_below(&folder.join(entry.file_name())));
     [folder.to_owned()].into_iter().chain(below).collect()
 }
 
-fn entries(folder: &Path) -> impl Iterator<Item = std::fs::DirEntry> {
+fn entries(folder: &Path) -> impl Iterator<Item = DirEntry> {
     let here = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
     std::fs::read_dir(here).into_iter().flatten().flatten()
 }

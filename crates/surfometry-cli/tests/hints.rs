@@ -137,6 +137,42 @@ fn names_that_are_nearly_right() {
     assert!(column.status.code() == Some(2) && said.contains("did you mean surface_area_mm2"), "{said}");
 }
 
+/// Files of kinds that are known are no voxels alone: it is said what to convert them to.
+#[test]
+fn pictures_and_meshes_that_are_not_read() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name).display().to_string();
+    for (kind, ending) in [("bmp", "BMP"), ("jpg", "jpg")] {
+        std::fs::create_dir(at(kind)).unwrap();
+        for z in 0..3 {
+            std::fs::write(at(&format!("{kind}/s_{z:04}.{ending}")), "BM or else").unwrap();
+        }
+        std::fs::write(at(&format!("{kind}/s_rec.log")), "[System]").unwrap();
+        for (input, words) in [
+            (kind.to_owned(), format!("3 .{kind} pictures")),
+            (format!("{kind}/s_0001.{ending}"), format!("a .{kind} picture")),
+        ] {
+            let said = said(&["measure", &at(&input)], 1);
+            assert!(
+                said.contains(&words) && said.contains("PNG or TIFF") && !said.contains("--raw"),
+                "{said}"
+            );
+        }
+    }
+    for (name, bytes) in [
+        ("a.gltf", &b"{}"[..]),
+        ("a.vtu", &b"<VTKFile>"[..]),
+        ("lh.white", &b"\xff\xff\xfecreated by me on Sunday\n\n"[..]),
+    ] {
+        std::fs::write(at(name), bytes).unwrap();
+        let said = said(&["measure", &at(name)], 1);
+        assert!(
+            said.contains("GLB (.glb)") && said.contains("--spacing X,Y,Z") && !said.contains("--raw"),
+            "{said}"
+        );
+    }
+}
+
 /// A failure stands once in a file that takes both stdout and stderr.
 #[cfg(unix)]
 #[test]

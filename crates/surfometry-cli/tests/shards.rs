@@ -195,6 +195,25 @@ fn a_refused_resume_leaves_nothing() {
     assert_eq!(resumed(&[]), Some(2));
 }
 
+/// A killed run's journal is unfinished; a run with other choices says which file is in its way, and goes once that is removed.
+#[test]
+fn a_refused_resume_names_the_file_that_is_there() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let ball = ["phantom:ball?radius=6".to_owned()];
+    let args = measure(&ball, &["--shard", "1/1", "--resume", "-o", "s.jsonl"]);
+    assert_eq!(run_in(folder, &args).status.code(), Some(0));
+    // As a kill leaves it.
+    fs::rename(folder.join("s.jsonl"), folder.join("s.jsonl.partial")).unwrap();
+    let other = [&args[..], &["--sigma", "3"]].concat();
+    let refused = run_in(folder, &other);
+    assert_eq!(refused.status.code(), Some(2));
+    let words = text(&refused.stderr);
+    assert!(words.contains("s.jsonl.partial: it is of another run"), "{words}");
+    fs::remove_file(folder.join("s.jsonl.partial")).unwrap();
+    assert_eq!(run_in(folder, &other).status.code(), Some(0));
+}
+
 /// Numbers by region belong to the image of regions that was there; a file may be as old as it says.
 #[test]
 fn a_resume_looks_at_all_its_files() {

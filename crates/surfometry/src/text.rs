@@ -1,5 +1,6 @@
 //! Characters of names and other texts of files, and lists of them.
 
+use std::borrow::Cow;
 use std::fmt::Display;
 
 /// How formulas begin, in one program or another.
@@ -11,6 +12,29 @@ pub(crate) const FORMULA: [char; 6] = ['=', '+', '-', '@', '\t', '\r'];
 /// do so without them.
 pub fn turns_text(c: char) -> bool {
     matches!(c, '\u{061c}' | '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
+}
+
+/// A text without what a terminal takes for commands, which names of files and texts in them may hold.
+pub fn plain(text: &str) -> Cow<'_, str> {
+    escaped(text, |c| c == '\n' || c == '\t' || is_harmless(c))
+}
+
+/// A name, which is to stay in its line.
+pub fn one_line(name: &str) -> Cow<'_, str> {
+    escaped(name, is_harmless)
+}
+
+fn escaped(text: &str, is_kept: impl Fn(char) -> bool) -> Cow<'_, str> {
+    if text.chars().all(&is_kept) {
+        return text.into();
+    }
+    let shown = |c: char| if is_kept(c) { c.to_string() } else { c.escape_default().to_string() };
+    text.chars().map(shown).collect()
+}
+
+/// Neither a command nor what turns the direction of the text around it, so that a name would read as another one.
+fn is_harmless(c: char) -> bool {
+    !turns_text(c) && !c.is_control()
 }
 
 /// How many labels or names of labels are shown of those that there are.
@@ -57,4 +81,21 @@ pub(crate) fn question(names: &[impl Display]) -> String {
 pub(crate) fn number(value: f64) -> String {
     let plain = value == 0.0 || (1e-4..1e7).contains(&value.abs());
     if plain { format!("{}", (1e4 * value).round() / 1e4) } else { format!("{value:.3e}") }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{one_line, plain};
+
+    #[test]
+    fn names_command_no_terminal() {
+        assert_eq!(plain("a\u{1b}[31m\tb\nc"), "a\\u{1b}[31m\tb\nc");
+        assert_eq!(plain("a\u{202e}gnp.exe\u{2069}"), "a\\u{202e}gnp.exe\\u{2069}");
+        assert_eq!(one_line("a\nb\tc\u{200f}"), "a\\nb\\tc\\u{200f}");
+        // Names in other scripts are names.
+        assert_eq!(
+            one_line("\u{05db}\u{05d1}\u{05d3} \u{809d}\u{81d3} a\u{0308}"),
+            "\u{05db}\u{05d1}\u{05d3} \u{809d}\u{81d3} a\u{0308}"
+        );
+    }
 }

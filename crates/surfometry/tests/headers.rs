@@ -153,13 +153,13 @@ fn units_in_every_spelling_and_unknown_ones() {
         assert_block(&read_labels(nrrd(unit, scale)).unwrap());
         assert_block(&read_labels(meta(unit, scale)).unwrap());
     }
-    for path in [nrrd("pixel", 3.0), meta("pixel", 3.0)] {
-        let message = refusal(&path);
-        assert!(
-            message.contains("`pixel`") && message.contains("say what the voxel spacing is"),
-            "{message}"
-        );
-        assert_block(&read_labels_with(&path, ReadOptions { spacing: Some(SPACING) }).unwrap());
+    for unit in ["pixel", "s", "ms"] {
+        for path in [nrrd(unit, 3.0), meta(unit, 3.0)] {
+            let message = refusal(&path);
+            let told = [&*format!("`{unit}`"), "say what the voxel spacing is"];
+            assert!(told.iter().all(|words| message.contains(words)), "{message}");
+            assert_block(&read_labels_with(&path, ReadOptions { spacing: Some(SPACING) }).unwrap());
+        }
     }
 }
 

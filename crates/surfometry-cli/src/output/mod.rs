@@ -26,18 +26,17 @@ pub(crate) use page_sink::PageSink;
 pub(crate) use raised::{map_flags_text, raised_text};
 pub(crate) use record_tables::{RecordTables, Shown, record_name};
 pub(crate) use results::{Failures, say_sigmas, say_written, status, with_scales, write_results};
+pub(crate) use surfometry::text::{one_line, plain};
 pub(crate) use sweep_table::SweepTables;
 pub(crate) use table_sink::{Presenter, TableSink};
 pub(crate) use validation_table::{rivalry_table, validation_table};
 
 use anyhow::{Context, Result, anyhow, bail};
 use serde::Serialize;
-use std::borrow::Cow;
 use std::io::{ErrorKind, IsTerminal, Write};
 use std::path::{Path, PathBuf};
 use surfometry::inputs::files_of;
 use surfometry::io::{try_writing, write_whole};
-use surfometry::text::turns_text;
 use width::wrapped;
 
 /// The command that was given, as a shell takes it.
@@ -80,29 +79,6 @@ fn is_one_file() -> bool {
 #[cfg(not(unix))]
 fn is_one_file() -> bool {
     false
-}
-
-/// A text without what a terminal takes for commands, which names of files and texts in them may hold.
-pub(crate) fn plain(text: &str) -> Cow<'_, str> {
-    escaped(text, |c| c == '\n' || c == '\t' || is_harmless(c))
-}
-
-/// A name, which is to stay in its line.
-pub(crate) fn one_line(name: &str) -> Cow<'_, str> {
-    escaped(name, is_harmless)
-}
-
-fn escaped(text: &str, is_kept: impl Fn(char) -> bool) -> Cow<'_, str> {
-    if text.chars().all(&is_kept) {
-        return text.into();
-    }
-    let shown = |c: char| if is_kept(c) { c.to_string() } else { c.escape_default().to_string() };
-    text.chars().map(shown).collect()
-}
-
-/// Neither a command nor what turns the direction of the text around it, so that a name would read as another one.
-fn is_harmless(c: char) -> bool {
-    !turns_text(c) && !c.is_control()
 }
 
 /// Refuses, before anything is measured, an output that could not be written or that would replace an input.
@@ -162,22 +138,5 @@ fn print(text: &str) -> Result<()> {
         // The reader went away, as `head` does: nothing is wrong.
         Err(e) if e.kind() == ErrorKind::BrokenPipe => Ok(()),
         outcome => outcome.context("stdout cannot be written"),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::{one_line, plain};
-
-    #[test]
-    fn names_command_no_terminal() {
-        assert_eq!(plain("a\u{1b}[31m\tb\nc"), "a\\u{1b}[31m\tb\nc");
-        assert_eq!(plain("a\u{202e}gnp.exe\u{2069}"), "a\\u{202e}gnp.exe\\u{2069}");
-        assert_eq!(one_line("a\nb\tc\u{200f}"), "a\\nb\\tc\\u{200f}");
-        // Names in other scripts are names.
-        assert_eq!(
-            one_line("\u{05db}\u{05d1}\u{05d3} \u{809d}\u{81d3} a\u{0308}"),
-            "\u{05db}\u{05d1}\u{05d3} \u{809d}\u{81d3} a\u{0308}"
-        );
     }
 }

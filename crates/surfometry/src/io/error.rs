@@ -47,6 +47,15 @@ pub enum ReadError {
         /// What is wrong.
         reason: String,
     },
+    /// A mesh in a format that is not read.
+    #[error(
+        "{kind}, which is not read: convert it to one of {read}, and say how far apart its voxels shall be, in mm",
+        read = super::mesh::readable()
+    )]
+    UnreadMesh {
+        /// What it is.
+        kind: &'static str,
+    },
     /// Several volumes or channels in one file.
     #[error(
         "{count} volumes or channels in one file ({dimensions:?}): surfometry measures one 3-D image at a time; save each as a file of its own"

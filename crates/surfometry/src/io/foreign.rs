@@ -3,8 +3,11 @@
 use super::packed::read_start;
 use std::path::Path;
 
+/// A mesh of FreeSurfer's own.
+pub(super) const FREESURFER_SURFACE: &str = "a surface of FreeSurfer (`mris_convert IN OUT.gii` converts it)";
+
 /// How kinds of files begin, and their names for people.
-const MAGIC: [(&[u8], &str); 24] = [
+const MAGIC: [(&[u8], &str); 25] = [
     (b"PK\x03\x04", "a ZIP archive"),
     (
         b"version https://git-lfs",
@@ -29,6 +32,7 @@ const MAGIC: [(&[u8], &str); 24] = [
     (b"\x28\xb5\x2f\xfd", "compressed with Zstandard (`unzstd` unpacks it)"),
     (b"II*\0", "TIFF"),
     (b"MM\0*", "TIFF"),
+    (b"\xff\xff\xfecreated by ", FREESURFER_SURFACE),
     (b"NRRD000", "NRRD"),
     (b"\x93NUMPY", "NumPy"),
     (b"# vtk DataFile", "legacy VTK"),

@@ -3,7 +3,7 @@
 use super::ReadError;
 #[cfg(feature = "dicom")]
 use super::dicom;
-use super::{foreign, mask_folder, stack};
+use super::{foreign, mask_folder, stack, unread};
 use std::path::Path;
 
 /// A supported file format.
@@ -91,13 +91,8 @@ impl Format {
                 "the file is empty (0 bytes); copy or export it again".into(),
             ));
         }
-        Self::of_name(path).or_else(|| Self::of_content(path)).ok_or_else(|| {
-            let unknown = "the file's ending names no format that is read";
-            match foreign::content(path) {
-                Some(kind) => ReadError::UnknownFormat(format!("{unknown} (it is {kind}); {SUPPORTED}")),
-                None => ReadError::UnknownContent(format!("{unknown}; {SUPPORTED}")),
-            }
-        })
+        let known = Self::of_name(path).or_else(|| Self::of_content(path));
+        known.ok_or_else(|| unread::of_file(path).unwrap_or_else(|| unknown(path)))
     }
 
     /// The format of a file whose name tells nothing.
@@ -127,6 +122,9 @@ impl Format {
         #[cfg(feature = "dicom")]
         if !dicom::files(path)?.is_empty() {
             return Ok(Self::Dicom);
+        }
+        if let Some(error) = unread::of_folder(path)? {
+            return Err(error);
         }
         let message = "a folder that is no Zarr, and without slices, masks or DICOM files";
         Err(ReadError::UnknownFormat(format!("{message}; {SUPPORTED}")))
@@ -187,6 +185,15 @@ impl Format {
             Self::Isq => 511,
             _ => 0,
         }
+    }
+}
+
+/// Why a file is not read whose name tells nothing.
+fn unknown(path: &Path) -> ReadError {
+    let unknown = "the file's ending names no format that is read";
+    match foreign::content(path) {
+        Some(kind) => ReadError::UnknownFormat(format!("{unknown} (it is {kind}); {SUPPORTED}")),
+        None => ReadError::UnknownContent(format!("{unknown}; {SUPPORTED}")),
     }
 }
 

@@ -51,6 +51,7 @@ mod stem;
 mod text_header;
 mod text_numbers;
 mod timed_file;
+mod unread;
 mod voxel_stream;
 mod vtk;
 mod whole_file;

@@ -53,7 +53,11 @@ pub(super) fn read_header(path: &Path) -> Result<ImageHeader, ReadError> {
         (false, true) => 0,
         (false, false) => fields.vox_offset,
     };
-    let labels = nifti_labels::labels(&between, fields.order);
+    let labels = nifti_labels::labels(&between, fields.order).map_err(|reason| {
+        error(format!(
+            "{reason} of the label table in the extension (`wb_command -volume-label-import` writes it anew)"
+        ))
+    })?;
     let data = data_file.data(offset, Encoding::Raw, fields.order)?;
     Ok(ImageHeader {
         path: header_path,

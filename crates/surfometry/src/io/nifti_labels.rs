@@ -5,15 +5,19 @@
 //! nifti1.h on extensions; <https://www.nitrc.org/projects/caret> for the table.
 
 use super::header::ByteOrder;
+use super::label_names::distinct;
 use crate::volume::{LabelEntry, LabelTable};
 use roxmltree::{Document, Node};
 
 /// The table in what stands between a header and the voxels: a mark of four bytes, then extensions of a size, a code and
 /// content. Extensions of other programs are passed over, and so is one that cannot be read.
-pub(super) fn labels(between: &[u8], order: ByteOrder) -> LabelTable {
+///
+/// # Errors
+/// A label with two names.
+pub(super) fn labels(between: &[u8], order: ByteOrder) -> Result<LabelTable, String> {
     let marked = between.first().is_some_and(|mark| *mark != 0);
     let rest = between.get(4..).filter(|_| marked).unwrap_or_default();
-    extensions(rest, order).find_map(of_extension).unwrap_or_default()
+    extensions(rest, order).find_map(of_extension).unwrap_or_else(|| Ok(LabelTable::default()))
 }
 
 /// The contents of extensions, one behind the other.
@@ -31,12 +35,14 @@ fn extensions(mut rest: &[u8], order: ByteOrder) -> impl Iterator<Item = &[u8]> 
     })
 }
 
-fn of_extension(content: &[u8]) -> Option<LabelTable> {
+fn of_extension(content: &[u8]) -> Option<Result<LabelTable, String>> {
     // XML has no control characters; names may.
     let text = str::from_utf8(content).ok()?.replace(|c: char| c.is_control(), " ");
     let document = Document::parse(text.trim()).ok()?;
     let table = document.descendants().find(|node| node.has_tag_name("LabelTable"))?;
-    Some(table.children().filter(|node| node.has_tag_name("Label")).filter_map(of_label).collect())
+    let entries = table.children().filter(|node| node.has_tag_name("Label")).zip(1..);
+    let rows = entries.filter_map(|(node, number)| Some((format!("entry {number}"), of_label(node)?)));
+    Some(distinct(rows).map(|rows| rows.into_iter().collect()))
 }
 
 fn of_label(node: Node) -> Option<(i64, LabelEntry)> {

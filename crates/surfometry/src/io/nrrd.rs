@@ -208,7 +208,7 @@ fn geometry(fields: &Fields, axes: &[usize]) -> Result<Geometry, ReadError> {
     match axes.iter().map(|&a| spacings.get(a).map(|s| s * unit)).collect::<Option<Vec<_>>>().as_deref() {
         Some(&[x, y, z, ..]) => {
             let origin = first_voxel(fields, axes, [x, y, z], unit)?;
-            let affine = Affine { origin, ..Affine::diagonal([x, y, z]) };
+            let affine = to_ras(Affine { origin, ..Affine::diagonal([x, y, z]) }, "")?;
             Ok(Geometry { affine: Some(affine), stated_spacing: Some([x, y, z]) })
         }
         _ => Err(error("`spacings` has fewer values than there are axes")),
@@ -234,11 +234,18 @@ fn first_voxel(fields: &Fields, axes: &[usize], spacing: [f64; 3], unit: f64) ->
     Ok(std::array::from_fn(|a| least[a] + if is_node(a) { 0.0 } else { spacing[a] / 2.0 }))
 }
 
+/// Of a space that does not say where the patient is, as ITK has it, which writes such headers: LPS.
 fn to_ras(affine: Affine, space: &str) -> Result<Affine, ReadError> {
     match space.to_lowercase().trim_end_matches("-time") {
-        "left-posterior-superior" | "lps" | "lpst" => Ok(affine.with_lps_swapped()),
-        "left-anterior-superior" | "las" | "last" | "3d-left-handed" => Ok(mirrored_x(affine)),
-        "right-anterior-superior" | "ras" | "rast" | "scanner-xyz" | "3d-right-handed" | "" => Ok(affine),
+        "left-posterior-superior"
+        | "lps"
+        | "lpst"
+        | "scanner-xyz"
+        | "3d-right-handed"
+        | "3d-left-handed"
+        | "" => Ok(affine.with_lps_swapped()),
+        "left-anterior-superior" | "las" | "last" => Ok(mirrored_x(affine)),
+        "right-anterior-superior" | "ras" | "rast" => Ok(affine),
         other => Err(error(format!("space `{other}` is not three-dimensional"))),
     }
 }

@@ -58,7 +58,9 @@ pub(crate) fn numbers<T: std::str::FromStr>(text: &str) -> Option<Vec<T>> {
 /// mm in a unit of length, in whatever case; `None` for an unknown one. No name is mm.
 pub(crate) fn mm_per(unit: &str) -> Option<f64> {
     let name = unit.trim().to_lowercase().replace("metre", "meter");
-    match name.strip_suffix('s').unwrap_or(&name) {
+    // Words have a plural; `s` and `ms` are times.
+    let singular = if name.len() > 4 { name.strip_suffix('s').unwrap_or(&name) } else { &name };
+    match singular {
         "" | "mm" | "millimeter" | "???" | "?" => Some(1.0),
         "um" | "µm" | "μm" | "micron" | "micrometer" | "\\u00b5m" => Some(1e-3),
         "nm" | "nanometer" => Some(1e-6),

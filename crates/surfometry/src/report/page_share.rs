@@ -16,6 +16,10 @@ const THUMBNAIL: usize = 96;
 /// Most objects of a page that are looked at closely.
 const CLOSE: usize = 8;
 
+/// Objects from which on a page is told to be large, and what each takes of it at least, bytes.
+const MANY: usize = 2000;
+const OF_OBJECT: usize = 24_000;
+
 /// What one of so many objects may take.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct PageShare {
@@ -43,6 +47,11 @@ impl PageShare {
     /// Pixels along a thumbnail's side.
     pub(super) fn thumbnail(self) -> usize {
         if self.objects <= FEW { THUMBNAIL_OF_FEW } else { THUMBNAIL }
+    }
+
+    /// How large the page becomes, where that is told before.
+    pub(super) fn large_megabytes(self) -> Option<usize> {
+        (self.objects > MANY).then_some(self.objects * OF_OBJECT / 1_000_000)
     }
 
     /// Whether objects are measured at other blurs too, which takes as long as measuring ten, and mapped at a scale of

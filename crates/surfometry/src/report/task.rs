@@ -2,6 +2,7 @@
 
 use super::page_share::PageShare;
 use super::{HashedInput, ObjectReport};
+use crate::Event;
 use crate::inputs::InputError;
 use crate::measurement::CurvatureScale;
 use crate::runs::{Item, Opened, Plan, Reading, RunError, Task};
@@ -47,6 +48,17 @@ impl ReportTask {
     }
 }
 
+/// Labels of cells make pages that no browser is quick with, after minutes.
+fn tell_of_size(input: &Opened, page: PageShare) {
+    if let Some(megabytes) = page.large_megabytes() {
+        let text = format!(
+            "a page of {} objects has some {megabytes} MB, and browsers are slow with it: choose some of the labels, or write a table of their numbers",
+            page.objects
+        );
+        input.control.tell(&Event::Note { input: input.name, text: &text });
+    }
+}
+
 impl Task for ReportTask {
     type Row = ReportPart;
 
@@ -54,6 +66,7 @@ impl Task for ReportTask {
         input.begin_hashing();
         let reading = Reading::of(input, &self.plan)?;
         let objects = self.inputs * reading.count().max(1);
+        tell_of_size(input, PageShare { objects: reading.count() });
         let few = self.is_free && PageShare { objects }.looks_closely();
         let curvature = if few { CurvatureScale::Auto } else { self.plan.curvature };
         let plan = Plan { curvature, ..self.plan.clone() };

@@ -34,7 +34,9 @@ impl Cure {
         match error {
             // The others are read as they are: what is chosen for the inputs would not help.
             RunError::Beside { what: BesideRole::Later, source, .. } => Self::of(source),
-            RunError::Input(InputError::MeshWithoutSpacing) => Some(Self::Spacing),
+            RunError::Input(
+                InputError::MeshWithoutSpacing | InputError::Read(ReadError::UnreadMesh { .. }),
+            ) => Some(Self::Spacing),
             RunError::NoSuchName { nameless: true, .. } => Some(Self::Names),
             RunError::NoSuchName { .. } | RunError::NoVoxels { .. } | RunError::NoLaterLabel { .. } => {
                 Some(Self::Label)

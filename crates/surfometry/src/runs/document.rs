@@ -3,11 +3,11 @@
 use super::flatten::each_field;
 use super::{Failure, MadeBy, Outcome, Settings, Sink};
 use crate::io::ResultOutput;
-use crate::text::FORMULA;
+use crate::text::{FORMULA, plain};
 use serde::Serialize;
 use serde_json::{Value, json};
 use std::collections::HashMap;
-use std::io::{self, Write};
+use std::io::{self, IsTerminal, Write};
 use std::marker::PhantomData;
 use std::path::Path;
 
@@ -173,6 +173,8 @@ impl<R: Row> Sink<R> for JsonLinesSink<R> {
 /// A table with a header: nested fields flattened, failed inputs as rows with an `error`.
 pub struct CsvSink<R> {
     out: csv::Writer<ResultOutput>,
+    /// Whether people see it, to whose terminal names say nothing.
+    is_shown: bool,
     /// Where each column is.
     columns: HashMap<String, usize>,
     of: PhantomData<fn(R)>,
@@ -184,10 +186,11 @@ impl<R: Row> CsvSink<R> {
     /// # Errors
     /// Whatever keeps it from being written.
     pub fn new(out: ResultOutput) -> io::Result<Self> {
+        let is_shown = matches!(out, ResultOutput::Stream(_)) && io::stdout().is_terminal();
         let mut out = csv::Writer::from_writer(out);
         out.write_record(header::<R>())?;
         out.flush()?;
-        Ok(Self { out, columns: places::<R>(), of: PhantomData })
+        Ok(Self { out, is_shown, columns: places::<R>(), of: PhantomData })
     }
 
     /// The output, all written.
@@ -199,7 +202,12 @@ impl<R: Row> CsvSink<R> {
     }
 
     fn write(&mut self, record: Value) -> io::Result<()> {
-        self.out.write_record(cells(&self.columns, record))?;
+        let cells = cells(&self.columns, record);
+        if self.is_shown {
+            self.out.write_record(cells.iter().map(|cell| plain(cell).into_owned()))?;
+        } else {
+            self.out.write_record(cells)?;
+        }
         self.out.flush()
     }
 }

@@ -176,11 +176,11 @@ impl RunHead {
     fn left(&self, path: &Path, left: &str, partial: &Path) -> Result<(Entries, Entries), JournalError> {
         let unfinished = Lines::of_text(left, partial)?;
         let finished = if path.is_file() { Some(Lines::read(path)?) } else { None };
-        let entries = |lines: Option<Lines>| match lines {
+        let entries = |lines: Option<Lines>, path: &Path| match lines {
             Some(lines) => self.check_goes_on(&lines.head, path).map(|()| lines.entries),
             None => Ok(HashMap::new()),
         };
-        Ok((entries(finished)?, entries(unfinished)?))
+        Ok((entries(finished, path)?, entries(unfinished, partial)?))
     }
 
     fn check_goes_on(&self, earlier: &Self, path: &Path) -> Result<(), JournalError> {

@@ -6,8 +6,9 @@ use surfometry::volume::Affine;
 /// One directory: tag, type (2 text, 3 short, 4 long, 5 rational), values.
 type Tags = Vec<(u16, u16, Vec<u32>)>;
 
+/// In Latin-1.
 fn text(words: &str) -> Vec<u32> {
-    words.bytes().chain([0]).map(u32::from).collect()
+    words.chars().chain(['\0']).map(u32::from).collect()
 }
 
 /// A little-endian file: pages of tags and pixels.
@@ -91,6 +92,14 @@ fn a_slice_a_page_or_all_behind_one() {
     whole[strip + 8..strip + 12].copy_from_slice(&35u32.to_le_bytes());
     let (_folder, path) = file("a.tiff", &whole);
     assert_read(&path, None, 1, Affine::diagonal(SPACING));
+}
+
+/// Old versions of ImageJ write `µm` in Latin-1.
+#[test]
+fn micrometres_in_latin_1() {
+    let image_j = "ImageJ=1.54f\nimages=6\nslices=6\nunit=\u{b5}m\nspacing=2.0\n";
+    let (_folder, path) = file("a.tif", &stack(&described(image_j)));
+    assert_read(&path, None, 1, Affine::diagonal(SPACING.map(|length| length / 1000.0)));
 }
 
 /// A description that says nothing of z, or resolution alone, is no spacing.
@@ -209,4 +218,20 @@ fn a_folder_of_slices() {
     assert!(said.to_string().contains("s14.tif is 7 x 4"), "{said}");
     std::fs::remove_file(folder.path().join("s10.tif")).unwrap();
     assert_refused(folder.path(), &["between s9.tif and s11.tif"]);
+}
+
+/// What follows the slice's number may have numbers too, as long as they stay the same.
+#[test]
+fn slices_with_a_number_behind_theirs() {
+    let folder = tempfile::tempdir().unwrap();
+    let write_channel = |channel: usize| {
+        for (z, page) in pages().into_iter().enumerate() {
+            let name = format!("Series003_z{}_ch{channel:02}.tif", 8 + z);
+            std::fs::write(folder.path().join(name), write(&[(tags(8), page)])).unwrap();
+        }
+    };
+    write_channel(0);
+    assert_read(folder.path(), Some(SPACING), 1, Affine::diagonal(SPACING));
+    write_channel(1);
+    assert_refused(folder.path(), &["differ in 2 numbers (_z8 to _z13, _ch00 to _ch01)", "each channel"]);
 }

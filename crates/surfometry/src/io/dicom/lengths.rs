@@ -87,14 +87,18 @@ impl Walk {
                     "sequences within sequences, more than {DEEPEST} deep: the file is damaged; export it again"
                 ))));
             }
-            if length == UNDEFINED || is_sequence && !in_fragments {
+            if length == UNDEFINED {
                 continue;
             }
             let left = self.bytes - self.at.min(self.bytes);
+            // Also of an item: one that is in no sequence is read as an element.
             if u64::from(length) > left {
                 return Ok(Err(error(format!(
                     "element {tag} claims {length} bytes and {left} follow: the file is truncated or damaged; copy or export it again"
                 ))));
+            }
+            if is_sequence && !in_fragments {
+                continue;
             }
             if self.is_meta && tag == SYNTAX {
                 let mut syntax = vec![0; length as usize];

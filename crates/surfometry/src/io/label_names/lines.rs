@@ -28,17 +28,16 @@ fn start(line: &str) -> String {
     line.chars().take(60).collect()
 }
 
-/// `1 255 0 0 1 1 1 "liver"` of ITK-SNAP, `1 liver 255 0 0 0` of FreeSurfer, or `1 liver`.
+/// `1 255 0 0 1 1 1 "liver"` of ITK-SNAP, `1 liver 255 0 0 0` of FreeSurfer, also with the name in quotes, or `1 liver`.
 fn of_words(line: &str) -> Option<Row> {
     let words: Vec<&str> = line.split_whitespace().collect();
     let label = words.first()?.parse().ok()?;
     if let Some((before, quoted)) = line.split_once('"') {
-        let numbers: Vec<&str> = before.split_whitespace().skip(1).collect();
-        return Some(row(
-            label,
-            quoted.strip_suffix('"').unwrap_or(quoted.trim_end().trim_end_matches('"')),
-            colour_of(&numbers),
-        ));
+        let (name, behind) = quoted.rsplit_once('"').unwrap_or((quoted, ""));
+        let colour = |numbers: &str, skipped: usize| {
+            colour_of(&numbers.split_whitespace().skip(skipped).collect::<Vec<_>>())
+        };
+        return Some(row(label, name, colour(before, 1).or_else(|| colour(behind, 0))));
     }
     // Names of FreeSurfer's have no spaces; others' may, so that colours are counted from the end.
     let is_number = |word: &&&str| word.parse::<u8>().is_ok();
@@ -58,6 +57,12 @@ fn colour_of(numbers: &[&str]) -> Option<[u8; 3]> {
 const LABELS: [&str; 7] = ["label", "index", "id", "value", "labelvalue", "label_id", "number"];
 const NAMES: [&str; 6] = ["name", "structure", "labelname", "label_name", "description", "roi"];
 const COLOURS: [&str; 4] = ["color", "colour", "hex", "rgb"];
+/// Those of red, green and blue, where each has its own.
+const CHANNELS: [[&str; 4]; 3] = [
+    ["color_r", "colour_r", "red", "r"],
+    ["color_g", "colour_g", "green", "g"],
+    ["color_b", "colour_b", "blue", "b"],
+];
 
 /// CSV or TSV: columns by their names, or a label and a name in a table without a head.
 fn separated(text: &str, separator: char) -> Result<Vec<(u64, Row)>, String> {
@@ -73,17 +78,19 @@ fn separated(text: &str, separator: char) -> Result<Vec<(u64, Row)>, String> {
     for record in reader.records() {
         let record = record.map_err(|error| error.to_string())?;
         let at = |column: Option<usize>| column.and_then(|column| record.get(column)).unwrap_or_default();
-        let Some(Columns { label, name, colour }) = columns else {
+        let Some(Columns { label, name, colour, channels }) = columns else {
             let head = Columns::of_head(&record);
-            columns = Some(head.unwrap_or(Columns { label: 0, name: 1, colour: None }));
+            columns = Some(head.unwrap_or(Columns { label: 0, name: 1, colour: None, channels: None }));
             if head.is_some() {
                 continue;
             }
             // A table without a head begins with its first row.
-            rows.push(of_fields(&record, at(Some(0)), at(Some(1)), "")?);
+            rows.push(of_fields(&record, at(Some(0)), at(Some(1)), None)?);
             continue;
         };
-        rows.push(of_fields(&record, at(Some(label)), at(Some(name)), at(colour))?);
+        let parts = || colour_of(&channels?.map(|channel| at(Some(channel))));
+        let colour = hexadecimal(at(colour)).or_else(parts);
+        rows.push(of_fields(&record, at(Some(label)), at(Some(name)), colour)?);
     }
     Ok(rows)
 }
@@ -93,14 +100,19 @@ struct Columns {
     label: usize,
     name: usize,
     colour: Option<usize>,
+    channels: Option<[usize; 3]>,
 }
 
 impl Columns {
     fn of_head(record: &csv::StringRecord) -> Option<Self> {
         let find =
             |names: &[&str]| record.iter().position(|field| names.contains(&field.to_lowercase().as_str()));
+        let channels = || {
+            let [r, g, b] = CHANNELS.map(|names| find(&names));
+            Some([r?, g?, b?])
+        };
         let name = find(&NAMES)?;
-        Some(Self { label: find(&LABELS)?, name, colour: find(&COLOURS) })
+        Some(Self { label: find(&LABELS)?, name, colour: find(&COLOURS), channels: channels() })
     }
 }
 
@@ -109,13 +121,13 @@ fn of_fields(
     record: &csv::StringRecord,
     label: &str,
     name: &str,
-    colour: &str,
+    colour: Option<[u8; 3]>,
 ) -> Result<(u64, Row), String> {
     let line = record.position().map_or(0, csv::Position::line);
     let label = label
         .parse()
         .map_err(|_| format!("line {line}: label `{}` is no whole number; {EXPECTED}", start(label)))?;
-    Ok((line, row(label, name, hexadecimal(colour))))
+    Ok((line, row(label, name, colour)))
 }
 
 /// `#rrggbb`.
@@ -146,6 +158,15 @@ mod tests {
         assert_eq!(read(snap), ["2 Label, 2 [255, 0, 9]"]);
         let slicer = "# Color table file\n3 left kidney 185 102 83 255\n";
         assert_eq!(read(slicer), ["3 left kidney [185, 102, 83]"]);
+        let quoted =
+            "# Color table\n1 \"liver right\" 221 130 101 255\n2 \"a\"\n3 1 2 3 1 1 1 \"b \"c\"\" \n";
+        let read_quoted = ["1 liver right [221, 130, 101]", "2 a [0, 0, 0]", "3 b \"c\" [1, 2, 3]"];
+        assert_eq!(read(quoted), read_quoted);
+        let slicer_csv = "LabelValue,Name,Color_R,Color_G,Color_B,Color_A,Segmented property\n3,\"kidney, left\",185,102,83,255,\n4,bone,,,,\n";
+        assert_eq!(read(slicer_csv), ["3 kidney, left [185, 102, 83]", "4 bone [0, 0, 0]"]);
+        assert_eq!(read("Label;NAME;R;G;B\n1;liver;255;0;9\n"), ["1 liver [255, 0, 9]"]);
+        let named = "red,green,blue,color,id,name\n1,2,3,,1,liver\n1,2,3,#0a0b0c,2,spleen\n";
+        assert_eq!(read(named), ["1 liver [1, 2, 3]", "2 spleen [10, 11, 12]"]);
         let bids = "index\tname\tabbreviation\tcolor\n1\tGray Matter\tGM\t#ff5300\n";
         assert_eq!(read(bids), ["1 Gray Matter [255, 83, 0]"]);
     }

@@ -83,7 +83,7 @@ const EXPECTED: &str = "expected is nnU-Net's dataset.json, JSON as {\"1\": \"li
                         or ITK-SNAP's `1 255 0 0 1 1 1 \"liver\"`";
 
 /// Rows of which each was found at a place, as a line: background left out, and no label with two names.
-fn distinct(rows: impl IntoIterator<Item = (String, Row)>) -> Result<Vec<Row>, String> {
+pub(super) fn distinct(rows: impl IntoIterator<Item = (String, Row)>) -> Result<Vec<Row>, String> {
     let mut found = BTreeMap::<i64, (String, Row)>::new();
     for (place, (label, entry)) in rows.into_iter().filter(|(_, (label, _))| *label != 0) {
         let name = |entry: &LabelEntry| entry.name.as_deref().unwrap_or_default().trim().to_owned();

@@ -13,6 +13,7 @@ mod stl;
 mod vtp;
 
 pub use document::MeshDocument;
+pub(super) use readers::readable;
 pub(crate) use readers::{MeshFile, read_mesh_file};
 pub use readers::{is_mesh, read_mesh};
 

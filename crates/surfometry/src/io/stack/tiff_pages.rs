@@ -14,13 +14,14 @@ use crate::io::packed::{Packed, open_file};
 use crate::io::timed_file::Timed;
 use crate::io::{Format, ReadError};
 use crate::volume::Affine;
+use encoding_rs::WINDOWS_1252;
 use flate2::bufread::ZlibDecoder;
 use std::io::{self, BufReader, Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::AtomicU64;
 use tiff::decoder::{Decoder, DecodingResult, Limits, ifd::Value};
-use tiff::tags::{ByteOrder as StoredOrder, CompressionMethod, PhotometricInterpretation, Tag};
+use tiff::tags::{ByteOrder as StoredOrder, CompressionMethod, PhotometricInterpretation, Tag, Type};
 use tiff::{ColorType, TiffError};
 
 /// Bytes of a page, and of one tag, so that damage costs no memory.
@@ -185,15 +186,26 @@ fn is_read(compression: u16) -> bool {
     read.iter().any(|method| method.to_u16() == compression)
 }
 
-/// What the first page's text says; text that is no UTF-8 says nothing.
+/// What the first page's text says.
 fn described(decoder: &mut Pages) -> Result<Description, ReadError> {
     let resolution = [Tag::XResolution, Tag::YResolution].map(|tag| {
         let value = decoder.find_tag(tag).ok().flatten()?;
         let Value::Rational(pixels, units) = value else { return None };
         (pixels > 0 && units > 0).then(|| f64::from(pixels) / f64::from(units))
     });
-    let text = decoder.get_tag_ascii_string(Tag::ImageDescription).unwrap_or_default();
-    Description::of(&text, resolution)
+    Description::of(&description(decoder).unwrap_or_default(), resolution)
+}
+
+/// The first page's text, up to a zero. It is UTF-8, or else Latin-1, as old versions of ImageJ write `µm`.
+fn description(decoder: &mut Pages) -> Option<String> {
+    let mut tags = decoder.image_ifd();
+    let entry = tags.find_entry(Tag::ImageDescription).filter(|entry| entry.field_type() == Type::ASCII)?;
+    let size = usize::try_from(entry.count()).ok().filter(|size| *size <= LARGEST_TAG)?;
+    let mut bytes = vec![0; size];
+    tags.find_tag_bytes(Tag::ImageDescription, &mut bytes, 0).ok()??;
+    let end = bytes.iter().position(|byte| *byte == 0).unwrap_or(size);
+    bytes.truncate(end);
+    Some(String::from_utf8(bytes).unwrap_or_else(|e| WINDOWS_1252.decode(e.as_bytes()).0.into_owned()))
 }
 
 /// Where the first page's pixels begin, where they are not compressed.

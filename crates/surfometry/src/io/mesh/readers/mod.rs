@@ -53,6 +53,11 @@ impl MeshKind {
     }
 }
 
+/// The formats that are read, for people.
+pub(in crate::io) fn readable() -> String {
+    KINDS.iter().map(|kind| format!("{} ({})", kind.name, kind.ending)).collect::<Vec<_>>().join(", ")
+}
+
 /// A mesh with what else its file says.
 pub(crate) struct MeshFile {
     pub(crate) mesh: Mesh,
