@@ -412,6 +412,18 @@ def test_an_item_in_no_sequence(tmp_path):
     assert "claims 2684354638 bytes" in surfometry_error("info", path)
 
 
+def test_numbers_that_are_not_whole(tmp_path):
+    """What is over was taken for the next element: 1.1 GB were made room for in a file of 5 kB (found by fuzz/)."""
+    path = tmp_path / "a.dcm"
+    slice_of(body(), 3).save_as(path, enforce_file_format=True)
+    data = bytearray(path.read_bytes())
+    at = data.index(b"\x28\x00\x10\x00US") + 6
+    data[at : at + 2] = (3).to_bytes(2, "little")
+    data[at + 2 : at + 2] = b"\0"
+    path.write_bytes(data)
+    assert "claims 3 bytes of numbers of 2 bytes each" in surfometry_error("info", path)
+
+
 def test_a_length_in_big_endian_order(tmp_path):
     """Out of use, but read: 2 GB were made room for in a file of 5 kB (found by fuzz/)."""
     path = tmp_path / "a.dcm"

@@ -52,6 +52,25 @@ struct Walk {
     open: Vec<u64>,
 }
 
+/// How long an element is, whether others are in it, and how long each of its numbers is.
+struct Claim {
+    length: u32,
+    is_sequence: bool,
+    unit: u32,
+}
+
+impl Claim {
+    fn of(length: u32, representation: VR) -> Self {
+        let unit = match representation {
+            VR::SS | VR::US | VR::OW => 2,
+            VR::AT | VR::FL | VR::SL | VR::UL | VR::OF | VR::OL => 4,
+            VR::FD | VR::SV | VR::UV | VR::OD | VR::OV => 8,
+            _ => 1,
+        };
+        Self { length, is_sequence: representation == VR::SQ, unit }
+    }
+}
+
 impl Walk {
     fn whole_file(&mut self) -> std::io::Result<Result<(), ReadError>> {
         let Some(end) = self.end_of_meta()? else { return Ok(Ok(())) };
@@ -68,8 +87,8 @@ impl Walk {
     /// where the reader of elements refuses that one.
     fn end_of_meta(&mut self) -> std::io::Result<Option<u64>> {
         let tag = self.tag()?;
-        let (length, _) = self.length(tag)?;
-        let is_known = tag == META_LENGTH && length == 4;
+        let claim = self.claim(tag)?;
+        let is_known = tag == META_LENGTH && claim.length == 4;
         Ok(if is_known { Some(u64::from(self.four_bytes()?) + self.at) } else { None })
     }
 
@@ -79,7 +98,7 @@ impl Walk {
         let mut in_fragments = false;
         while self.at < end && self.at + 8 <= self.bytes {
             let tag = self.tag()?;
-            let (length, is_sequence) = self.length(tag)?;
+            let Claim { length, is_sequence, unit } = self.claim(tag)?;
             // Compressed pixels are items that hold no elements.
             in_fragments |= tag == PIXEL_DATA && length == UNDEFINED;
             if self.depth(tag, length, is_sequence) > DEEPEST {
@@ -95,6 +114,12 @@ impl Walk {
             if u64::from(length) > left {
                 return Ok(Err(error(format!(
                     "element {tag} claims {length} bytes and {left} follow: the file is truncated or damaged; copy or export it again"
+                ))));
+            }
+            // The reader of elements leaves what is over, and takes it for the next element.
+            if length % unit != 0 {
+                return Ok(Err(error(format!(
+                    "element {tag} claims {length} bytes of numbers of {unit} bytes each: the file is damaged; copy or export it again"
                 ))));
             }
             if is_sequence && !in_fragments {
@@ -127,22 +152,24 @@ impl Walk {
         self.open.len()
     }
 
-    /// How long an element is, and whether others are in it.
-    fn length(&mut self, tag: Tag) -> std::io::Result<(u32, bool)> {
+    /// What an element's head says.
+    fn claim(&mut self, tag: Tag) -> std::io::Result<Claim> {
         if tag.group() == 0xFFFE {
-            return Ok((self.four_bytes()?, true));
+            return Ok(Claim { length: self.four_bytes()?, is_sequence: true, unit: 1 });
         }
         if !self.is_meta && self.syntax == IMPLICIT_VR_LITTLE_ENDIAN {
             let representation = StandardDataDictionary.by_tag(tag).map(|entry| entry.vr().relaxed());
-            return Ok((self.four_bytes()?, representation == Some(VR::SQ)));
+            return Ok(Claim::of(self.four_bytes()?, representation.unwrap_or(VR::UN)));
         }
         // As the reader of elements takes one that there is not.
         let representation = VR::from_binary(self.take()?).unwrap_or(VR::UN);
-        if is_long(representation) {
+        let length = if is_long(representation) {
             let _: [u8; 2] = self.take()?;
-            return Ok((self.four_bytes()?, representation == VR::SQ));
-        }
-        Ok((self.two_bytes()?.into(), false))
+            self.four_bytes()?
+        } else {
+            self.two_bytes()?.into()
+        };
+        Ok(Claim::of(length, representation))
     }
 
     fn tag(&mut self) -> std::io::Result<Tag> {
