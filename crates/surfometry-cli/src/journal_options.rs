@@ -1,5 +1,6 @@
 //! A run that goes on where it was, or does a part of its inputs.
 
+use crate::output::say;
 use anyhow::{Result, bail};
 use std::path::{Path, PathBuf};
 use surfometry::runs::{DocumentForm, Journal, Plan, RunHead, Shard};
@@ -44,9 +45,23 @@ impl JournalOptions {
         };
         let head = RunHead::new(plan, shard, inputs)?;
         let path = if self.is_shard() { shard_path(output)? } else { Journal::beside(output) };
+        if self.resume && output.is_file() && !is_begun(&path) {
+            say(&format!(
+                "{}: the run that wrote it kept no journal ({}), as one without --resume: all inputs are measured again",
+                output.display(),
+                path.display()
+            ));
+        }
         let begun = if self.resume { Journal::resume(&path, head) } else { Journal::begin(&path, head) };
         Ok(Some(begun?))
     }
+}
+
+/// Whether there is something to go on with, finished or not.
+fn is_begun(journal: &Path) -> bool {
+    let mut unfinished = journal.as_os_str().to_owned();
+    unfinished.push(".partial");
+    journal.is_file() || Path::new(&unfinished).is_file()
 }
 
 fn shard_path(output: &Path) -> Result<PathBuf> {

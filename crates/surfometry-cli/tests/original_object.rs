@@ -300,3 +300,56 @@ fn numbers_beside_the_original_surface_are_those_of_measure() {
     assert!(chosen["surface_area_mm2"].is_null(), "{chosen}");
     assert!(volume == same);
 }
+
+/// A turned gyroid with walls of two to four voxels, cut out of space, as a NRRD.
+fn network() -> Vec<u8> {
+    const SIDE: usize = 24;
+    let (turn, period) = (0.4_f64, 8.0);
+    let is_inside = |index: [usize; 3]| {
+        let [i, j, z] = index.map(|i| (i as f64 + 0.37) * std::f64::consts::TAU / period);
+        let (x, y) = (turn.cos() * i - turn.sin() * j, turn.sin() * i + turn.cos() * j);
+        let wave = x.sin() * y.cos() + y.sin() * z.cos() + z.sin() * x.cos();
+        wave > 0.0 && index.iter().all(|i| (2..SIDE - 2).contains(i))
+    };
+    let voxel = |n: usize| u8::from(is_inside([n % SIDE, n / SIDE % SIDE, n / SIDE / SIDE]));
+    let header = b"NRRD0004\ntype: uchar\ndimension: 3\nsizes: 24 24 24\nspacings: 1 1 1\nencoding: raw\n\n";
+    header.iter().copied().chain((0..SIDE.pow(3)).map(voxel)).collect()
+}
+
+/// A map at scales of its own may tear what is thin: where its surface is not the one that was measured, that is told, and its mesh is
+/// in the record; of a ball both are the same.
+#[test]
+fn a_map_that_shows_another_surface_says_so() {
+    let folder = tempfile::tempdir().unwrap();
+    let mapped = |shape: &str, name: &str| -> (Value, usize) {
+        let (json, mesh) = (format!("{name}.json"), format!("{name}.obj"));
+        let args = ["map", shape, "--curvature-sigma", "auto", "-o", &json, "-o", &mesh, "-q"];
+        let output = run_in(folder.path(), &args);
+        assert!(output.status.success(), "{}", text(&output.stderr));
+        let document: Value =
+            serde_json::from_slice(&std::fs::read(folder.path().join(json)).unwrap()).unwrap();
+        let faces = std::fs::read_to_string(folder.path().join(mesh)).unwrap();
+        (document["results"][0].clone(), faces.lines().filter(|line| line.starts_with("f ")).count())
+    };
+    let flag = |object: &Value| {
+        let flags = object["flags"].as_array().unwrap().clone();
+        flags.into_iter().find(|flag| flag["code"] == "map-differs-from-object")
+    };
+    std::fs::write(folder.path().join("gyroid.nrrd"), network()).unwrap();
+    for (shape, name, differs) in [(BALL, "ball", false), ("gyroid.nrrd", "network", true)] {
+        let (object, triangles) = mapped(shape, name);
+        let own = &object["mapped"];
+        assert_eq!(own["triangles"], triangles, "{name}");
+        let chi = [&own["euler_characteristic"], &object["topology"]["euler_characteristic_mesh"]];
+        let told = flag(&object);
+        assert_eq!(told.is_some(), differs, "{name}: {own} {}", object["mesh"]);
+        assert_eq!(chi[0] == chi[1], !differs, "{name}: {own}");
+        assert!(
+            told.is_none_or(|flag| flag["message"].as_str().unwrap().contains("Euler characteristic is"))
+        );
+    }
+    assert!(run_in(folder.path(), &["map", BALL, "-o", "b.json", "-q"]).status.success());
+    let blurred: Value =
+        serde_json::from_slice(&std::fs::read(folder.path().join("b.json")).unwrap()).unwrap();
+    assert!(blurred["results"][0]["mapped"].is_null());
+}

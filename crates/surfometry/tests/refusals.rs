@@ -51,7 +51,8 @@ fn files_that_are_none() {
     let missing = read_labels("/nowhere/missing.nii").unwrap_err().to_string();
     assert_says(&missing, &["/nowhere/missing.nii", "No such file"]);
     assert_says(&refusal("a.nii", b""), &["empty", "export it again"]);
-    assert_says(&refusal("a.jpg", b"x"), &["names no format", ".nrrd"]);
+    assert_says(&refusal("a.xyz", b"x"), &["names no format", ".nrrd"]);
+    assert_says(&refusal("a.jpg", b"x"), &["JPEG", "PNG or TIFF"]);
     assert_says(&refusal("a.nii", b"short"), &["ends after 5 bytes"]);
     assert_says(&refusal("a.nii", vec![7u8; 400]), &["sizeof_hdr", "not NIfTI"]);
     assert_says(&refusal("a.nrrd", b"something else"), &["no NRRD magic"]);

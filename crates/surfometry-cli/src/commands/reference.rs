@@ -22,7 +22,7 @@ pub(crate) struct Args {
     #[arg(required = true, value_name = "INPUT", value_parser = input_name())]
     inputs: Vec<String>,
     /// Method; may be given several times [default: all]
-    #[arg(long = "method", value_name = "NAME", value_parser = clap::builder::PossibleValuesParser::new(METHODS.map(|m| m.name())))]
+    #[arg(long = "method", value_name = "NAME", value_delimiter = ',', value_parser = clap::builder::PossibleValuesParser::new(METHODS.map(|m| m.name())))]
     methods: Vec<String>,
     #[command(flatten)]
     selection: InputSelection,

@@ -74,6 +74,8 @@ pub enum FlagCode {
     GreyValues,
     /// An image beside the input does not tell all of the object, or is doubtful itself.
     ImageBeside,
+    /// The surface that is mapped at scales of its own is not quite the one that was measured.
+    MapDiffersFromObject,
     /// Pieces beside the largest were left out, as was asked.
     PiecesDropped,
     /// Cavities were filled, as was asked.

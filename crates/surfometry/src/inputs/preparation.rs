@@ -62,7 +62,7 @@ pub struct Threshold {
 /// Why words are no range of grey values.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[error(
-    "`{0}`: write LOW..HIGH, LOW.. or ..HIGH: the grey values that are the object, both ends inside, the lower one first"
+    "`{0}`: write LOW..HIGH, LOW.. or ..HIGH: the grey values that are the object, both ends inside, the lower one first, decimals with a point"
 )]
 pub struct ThresholdError(String);
 

@@ -349,7 +349,7 @@ fn large_error(values: &SurfaceValues, errors: &SurfaceValues, recovered: bool) 
         if recovered {
             "voxels; only a finer scan tells more"
         } else {
-            "blur; leave a sigma that was chosen out, or scan finer"
+            "blur; leave out a sigma that was chosen, give a map a scale for curvature, or scan finer"
         }
     );
     (share > LARGE_ERROR).then(|| Flag::new(FlagCode::LargeError, message))

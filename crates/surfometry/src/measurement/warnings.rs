@@ -210,7 +210,7 @@ fn mesh_flag(e: &Evidence, plain: &Integrals) -> Option<Flag> {
     let differs = area.abs() > MESH_TOLERANCE || volume.abs() > 2.0 * MESH_TOLERANCE;
     let message = format!(
         "the band gives {:+.1} % in area and {:+.1} % in volume against the surface as a mesh ({:.6} mm2, {inside:.6} mm3): parts \
-         are thin or tightly curved against the band; use a smaller sigma, or a finer image",
+         are thin or tightly curved against the band; leave out a sigma that was chosen, or take a finer image",
         100.0 * area,
         100.0 * volume,
         mesh.area

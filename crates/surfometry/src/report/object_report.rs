@@ -57,7 +57,7 @@ impl ObjectReport {
             title: source.title(),
             colour: source.colour.map(hexadecimal),
             mapped: how_mapped(object),
-            result: SurfaceRecord::new(source.record(), surface),
+            result: SurfaceRecord::without_regions(source),
             shown_triangles: mesh.as_ref().map_or(0, |mesh| mesh.triangles.len()),
             thumbnail: mesh.map(|mesh| picture(surface, mesh, share.thumbnail())).transpose()?,
             sweep: share.looks_closely().then(|| BlurSweep::of(&source.object)).flatten(),

@@ -72,7 +72,7 @@ impl FromStr for Lengths {
             let [label, mm] = parts(part, '=')[..] else {
                 if lengths.of_all.is_some() {
                     return Err(WordError(
-                        "one length is for all labels; write the others as LABEL=MM".to_owned(),
+                        "one length is for all labels; write the others as LABEL=MM, and decimals with a point".to_owned(),
                     ));
                 }
                 lengths.of_all = Some(part.parse()?);

@@ -3,8 +3,8 @@
 use super::beside::{TOLD_SHARE, flag_beside};
 use super::{AgainstRecord, BesideRole, InputObject, Record, Row};
 use crate::accuracy::{Flag, FlagCode};
-use crate::measurement::Regions;
-use crate::surface::{CurvatureSummary, Distribution, QUANTILES, SampleSummary, Surface, SurfacePart};
+use crate::measurement::{EmbeddingKind, Measured, Regions};
+use crate::surface::{CurvatureSummary, Distribution, QUANTILES, SampleSummary, SurfacePart};
 use serde::Serialize;
 use std::collections::BTreeSet;
 
@@ -17,6 +17,8 @@ pub struct SurfaceRecord {
     /// The results of `measure`.
     #[serde(flatten)]
     pub record: Record,
+    /// The surface that was mapped, where that is not the one that was measured: at scales of its own.
+    pub mapped: Option<MappedMesh>,
     /// Curvature over the surface; `None` where the blur left nothing.
     pub curvature: Option<CurvatureSummary>,
     /// Shares that the distributions' quantiles are at.
@@ -34,6 +36,57 @@ pub struct SurfaceRecord {
     pub against: Option<AgainstRecord>,
     /// The files that were written.
     pub files: Vec<String>,
+}
+
+/// The mesh of a surface that is mapped at scales of its own.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct MappedMesh {
+    /// The field that it is of.
+    pub embedding: EmbeddingKind,
+    /// Enclosed volume.
+    pub volume_mm3: f64,
+    /// Sum of the triangles' areas.
+    pub surface_area_mm2: f64,
+    /// V - E + F.
+    pub euler_characteristic: i64,
+    /// Number of vertices.
+    pub vertices: usize,
+    /// Number of triangles.
+    pub triangles: usize,
+}
+
+impl MappedMesh {
+    fn of(object: &InputObject) -> Option<Self> {
+        let local = object.local.as_ref()?;
+        let mesh = &object.surface().mesh;
+        Some(Self {
+            embedding: local.parameters().embedding,
+            volume_mm3: mesh.volume(),
+            surface_area_mm2: mesh.area(),
+            euler_characteristic: mesh.euler_characteristic(),
+            vertices: mesh.vertices.len(),
+            triangles: mesh.triangles.len(),
+        })
+    }
+
+    /// The warning that it is not quite the surface that was measured: by more of A than twice its error, or in topology.
+    fn flag(&self, measured: &Measured) -> Option<Flag> {
+        let (area, error) = measured
+            .surface_area_mm2
+            .zip(measured.standard_error.surface_area_mm2)
+            .filter(|_| measured.clip.is_none())?;
+        let off = (self.surface_area_mm2 - area) / area;
+        let chi = measured.topology.euler_characteristic_mesh.filter(|chi| *chi != self.euler_characteristic);
+        let area = (off.abs() * area > 2.0 * error).then(|| format!("its area is {:+.1} % off", 100.0 * off));
+        let topology =
+            chi.map(|chi| format!("its Euler characteristic is {}, not {chi}", self.euler_characteristic));
+        let told: Vec<String> = area.into_iter().chain(topology).collect();
+        let message = format!(
+            "the surface that is mapped is not quite the one of the numbers: {}; at the scale that curvature is mapped at, thin parts tear and noise              is smoothed; where its shape counts, map it in the recovering embedding, without a scale for curvature",
+            told.join(", and ")
+        );
+        (!told.is_empty()).then(|| Flag::new(FlagCode::MapDiffersFromObject, message))
+    }
 }
 
 impl Row for SurfaceRecord {
@@ -73,11 +126,14 @@ impl SurfaceRecord {
             present.into_iter().map(of).collect()
         };
         let region_distributions = object.regions().map(by_region).unwrap_or_default();
-        Self { region_distributions, ..Self::new(object.record(), surface) }
+        Self { region_distributions, ..Self::without_regions(object) }
     }
 
-    /// Of a surface and its results.
-    pub fn new(mut record: Record, surface: &Surface) -> Self {
+    /// The same without what is by region.
+    pub fn without_regions(object: &InputObject) -> Self {
+        let (mut record, surface) = (object.record(), object.surface());
+        let mapped = MappedMesh::of(object);
+        record.measured.flags.extend(mapped.and_then(|mapped| mapped.flag(&record.measured)));
         let vertices_without_normal = surface.vertices_without_normal();
         if vertices_without_normal > 0 {
             let message = format!(
@@ -92,6 +148,7 @@ impl SurfaceRecord {
         record.measured.flags.extend(samples.iter().filter_map(sample_flag));
         Self {
             record,
+            mapped,
             curvature: surface.curvature_summary(),
             quantiles: QUANTILES,
             distributions: surface.distributions().to_vec(),

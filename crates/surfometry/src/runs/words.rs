@@ -20,7 +20,9 @@ impl WordError {
 /// # Errors
 /// [`WordError`].
 pub fn number(text: &str) -> Result<f64, WordError> {
-    text.trim().parse().map_err(|_| WordError(format!("`{text}` is not a number")))
+    text.trim()
+        .parse()
+        .map_err(|_| WordError(format!("`{text}` is not a number, such as 1.5, without a unit")))
 }
 
 /// A length, a radius: positive and finite.
