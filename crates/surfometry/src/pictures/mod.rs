@@ -60,6 +60,7 @@ pub use histogram_picture::{HistogramPicture, HistogramSeries};
 #[cfg(feature = "report")]
 pub(crate) use image_slices::ImageSlices;
 pub use line_chart::{ChartLine, ChartPanel, LineChart};
+#[cfg(feature = "io")]
 pub(crate) use object_pictures::how_mapped;
 pub use object_pictures::{PictureKind, PictureStyle, color_scale, picture};
 pub use object_slices::SlicePlane;
