@@ -390,49 +390,39 @@ def test_files_that_are_damaged(tmp_path):
         assert "panicked" not in done.stderr
 
 
+def error_of(tmp_path, head, skipped, replaced, by, *syntax):
+    """What is said of a slice in which some bytes behind the beginning of an element's head are others."""
+    path = tmp_path / "a.dcm"
+    slice_of(body(), 3, *syntax).save_as(path, enforce_file_format=True)
+    data = bytearray(path.read_bytes())
+    at = data.index(head) + skipped
+    data[at : at + replaced] = by
+    path.write_bytes(data)
+    return surfometry_error("info", path)
+
+
 def test_a_representation_that_there_is_not(tmp_path):
     """Readers take it for UN, whose length has four bytes: 2 GB were made room for in a file of 4 kB (found by fuzz/)."""
-    path = tmp_path / "a.dcm"
-    slice_of(body(), 3).save_as(path, enforce_file_format=True)
-    data = bytearray(path.read_bytes())
-    at = data.index(b"\x20\x00\x13\x00IS") + 4
-    data[at : at + 8] = b"\x91T\0\0" + (2433941536).to_bytes(4, "little")
-    path.write_bytes(data)
-    assert "claims 2433941536 bytes" in surfometry_error("info", path)
+    claim = b"\x91T\0\0" + (2433941536).to_bytes(4, "little")
+    assert "claims 2433941536 bytes" in error_of(tmp_path, b"\x20\x00\x13\x00IS", 4, 8, claim)
 
 
 def test_an_item_in_no_sequence(tmp_path):
     """It is read as an element: 2.7 GB were made room for in a file of 3 kB (found by fuzz/)."""
-    path = tmp_path / "a.dcm"
-    slice_of(body(), 3).save_as(path, enforce_file_format=True)
-    data = bytearray(path.read_bytes())
-    at = data.index(b"\x20\x00\x13\x00IS")
-    data[at : at + 8] = b"\xfe\xff\0\xe0" + (2684354638).to_bytes(4, "little")
-    path.write_bytes(data)
-    assert "claims 2684354638 bytes" in surfometry_error("info", path)
+    claim = b"\xfe\xff\0\xe0" + (2684354638).to_bytes(4, "little")
+    assert "claims 2684354638 bytes" in error_of(tmp_path, b"\x20\x00\x13\x00IS", 0, 8, claim)
 
 
 def test_numbers_that_are_not_whole(tmp_path):
     """What is over was taken for the next element: 1.1 GB were made room for in a file of 5 kB (found by fuzz/)."""
-    path = tmp_path / "a.dcm"
-    slice_of(body(), 3).save_as(path, enforce_file_format=True)
-    data = bytearray(path.read_bytes())
-    at = data.index(b"\x28\x00\x10\x00US") + 6
-    data[at : at + 2] = (3).to_bytes(2, "little")
-    data[at + 2 : at + 2] = b"\0"
-    path.write_bytes(data)
-    assert "claims 3 bytes of numbers of 2 bytes each" in surfometry_error("info", path)
+    longer = (3).to_bytes(2, "little") + b"\0"
+    assert "claims 3 bytes of numbers of 2 bytes each" in error_of(tmp_path, b"\x28\x00\x10\x00US", 6, 2, longer)
 
 
 def test_a_length_in_big_endian_order(tmp_path):
     """Out of use, but read: 2 GB were made room for in a file of 5 kB (found by fuzz/)."""
-    path = tmp_path / "a.dcm"
-    slice_of(body(), 3, ExplicitVRBigEndian).save_as(path, enforce_file_format=True)
-    data = bytearray(path.read_bytes())
-    at = data.index(b"\0\x20\0\x13IS") + 4
-    data[at : at + 8] = b"UN\0\0" + (2433941536).to_bytes(4, "big")
-    path.write_bytes(data)
-    assert "claims 2433941536 bytes" in surfometry_error("info", path)
+    claim = b"UN\0\0" + (2433941536).to_bytes(4, "big")
+    assert "claims 2433941536 bytes" in error_of(tmp_path, b"\0\x20\0\x13IS", 4, 8, claim, ExplicitVRBigEndian)
 
 
 @pytest.mark.parametrize("damage", [b"", b"\0" * 200, b"<html>", b"version https://git-lfs.github.com/spec/v1\n", None])

@@ -3,6 +3,7 @@
 use crate::output::say;
 use anyhow::{Result, bail};
 use std::path::{Path, PathBuf};
+use surfometry::io::unfinished;
 use surfometry::runs::{DocumentForm, Journal, Plan, RunHead, Shard};
 
 /// Where a run keeps what it has finished.
@@ -59,9 +60,7 @@ impl JournalOptions {
 
 /// Whether there is something to go on with, finished or not.
 fn is_begun(journal: &Path) -> bool {
-    let mut unfinished = journal.as_os_str().to_owned();
-    unfinished.push(".partial");
-    journal.is_file() || Path::new(&unfinished).is_file()
+    journal.is_file() || unfinished(journal).is_file()
 }
 
 fn shard_path(output: &Path) -> Result<PathBuf> {

@@ -21,7 +21,7 @@ pub(crate) struct Args {
     /// Files, patterns or phantoms
     #[arg(required = true, value_name = "INPUT", value_parser = input_name())]
     inputs: Vec<String>,
-    /// Method; may be given several times [default: all]
+    /// Method; may be given several times, or as a list [default: all]
     #[arg(long = "method", value_name = "NAME", value_delimiter = ',', value_parser = clap::builder::PossibleValuesParser::new(METHODS.map(|m| m.name())))]
     methods: Vec<String>,
     #[command(flatten)]

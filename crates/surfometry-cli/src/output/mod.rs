@@ -36,7 +36,7 @@ use serde::Serialize;
 use std::io::{ErrorKind, IsTerminal, Write};
 use std::path::{Path, PathBuf};
 use surfometry::inputs::files_of;
-use surfometry::io::{try_writing, write_whole};
+use surfometry::io::{try_writing, unfinished, write_whole};
 use width::wrapped;
 
 /// The command that was given, as a shell takes it.
@@ -91,10 +91,8 @@ pub(crate) fn check_output(file: Option<&Path>, inputs: &[String]) -> Result<()>
     if path.is_dir() {
         bail!("{}: a folder; name a file in it", path.display());
     }
-    let mut unfinished = path.as_os_str().to_owned();
-    unfinished.push(".partial");
     let outputs: Vec<PathBuf> =
-        [path, Path::new(&unfinished)].iter().filter_map(|path| path.canonicalize().ok()).collect();
+        [path, &unfinished(path)].iter().filter_map(|path| path.canonicalize().ok()).collect();
     let is_output = |file: &PathBuf| file.canonicalize().is_ok_and(|file| outputs.contains(&file));
     let same = |input: &String| {
         is_output(&PathBuf::from(input)) || lies_in(&outputs, input) || files_of(input).iter().any(is_output)

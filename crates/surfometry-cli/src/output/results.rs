@@ -7,7 +7,7 @@ use crate::output::{counted, is_one_place, say};
 use anyhow::{Context, Result, anyhow};
 use std::io::{self, ErrorKind};
 use std::path::Path;
-use surfometry::io::ResultOutput;
+use surfometry::io::{ResultOutput, unfinished};
 use surfometry::runs::{DocumentForm, Outcome, Row, ScaleLedger, Settings, SigmaRange, Sink};
 
 /// Whether stderr tells of failures while a run goes on.
@@ -51,9 +51,10 @@ pub(crate) fn write_results<R: Row>(
         Err(error) if error.kind() == ErrorKind::BrokenPipe && options.path().is_none() => Ok(0),
         Err(error) => {
             let name = options.path().map_or_else(|| "stdout".to_owned(), |path| path.display().to_string());
-            let kept = Some(format!("{name}.partial")).filter(|partial| Path::new(partial).is_file());
-            let kept =
-                kept.map_or_else(String::new, |partial| format!("; what was finished is in {partial}"));
+            let kept = options.path().map(unfinished).filter(|partial| partial.is_file());
+            let kept = kept.map_or_else(String::new, |partial| {
+                format!("; what was finished is in {}", partial.display())
+            });
             Err(error).with_context(|| format!("{name}: cannot be written{kept}"))
         }
         Ok(outcome) => {

@@ -1,7 +1,6 @@
 //! Files that grow while a run goes on, and take their name when it has ended.
 
 use super::whole_file::check_name;
-use std::ffi::OsString;
 use std::fs::{self, File, TryLockError};
 use std::io::{self, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
@@ -15,6 +14,13 @@ pub struct GrowingFile {
     end: Vec<u8>,
     partial: PathBuf,
     target: PathBuf,
+}
+
+/// The name that a file has until it is finished.
+pub fn unfinished(path: &Path) -> PathBuf {
+    let mut name = path.as_os_str().to_owned();
+    name.push(".partial");
+    name.into()
 }
 
 impl GrowingFile {
@@ -67,9 +73,7 @@ impl GrowingFile {
             // Whoever took the right to write it away meant it.
             File::options().append(true).open(&target)?;
         }
-        let mut name = target.file_name().map_or_else(OsString::new, OsString::from);
-        name.push(".partial");
-        let partial = target.with_file_name(name);
+        let partial = unfinished(&target);
         // Nobody but such a run makes a file of that name, and none a link or a pipe.
         if fs::symlink_metadata(&partial).is_ok_and(|there| !there.is_file()) {
             let error = format!("{} is no file: remove it", partial.display());

@@ -63,7 +63,7 @@ pub(crate) use digest::sha256_text;
 pub use error::ReadError;
 pub use format::Format;
 pub(crate) use format::PACKED;
-pub use growing_file::{GrowingFile, ResultOutput};
+pub use growing_file::{GrowingFile, ResultOutput, unfinished};
 pub use header::ImageHeader;
 use header::Voxels;
 pub use label_names::{label_names_of_text, read_label_names, read_label_names_warning};

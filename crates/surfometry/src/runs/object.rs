@@ -170,11 +170,8 @@ impl InputObject {
         let measured = self.measured.take().unwrap_or_else(|| self.object.measure());
         let found = again(&choices, &self.object, &measured)?;
         self.facts.control.check()?;
-        let (object, measured) = match found {
-            Some((object, recovered)) => (Some(object), recovered),
-            None => (None, measured),
-        };
-        self.measured = Some(measured);
+        let (object, recovered) = found.unzip();
+        self.measured = Some(recovered.unwrap_or(measured));
         Ok(object)
     }
 

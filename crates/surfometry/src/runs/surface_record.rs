@@ -82,7 +82,8 @@ impl MappedMesh {
             chi.map(|chi| format!("its Euler characteristic is {}, not {chi}", self.euler_characteristic));
         let told: Vec<String> = area.into_iter().chain(topology).collect();
         let message = format!(
-            "the surface that is mapped is not quite the one of the numbers: {}; at the scale that curvature is mapped at, thin parts tear and noise              is smoothed; where its shape counts, map it in the recovering embedding, without a scale for curvature",
+            "the surface that is mapped is not quite the one of the numbers: {}; at the scale that curvature is mapped at, thin parts tear and noise \
+             is smoothed; where its shape counts, map it in the recovering embedding, without a scale for curvature",
             told.join(", and ")
         );
         (!told.is_empty()).then(|| Flag::new(FlagCode::MapDiffersFromObject, message))
