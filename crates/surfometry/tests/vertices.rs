@@ -87,6 +87,60 @@ fn wide_blurs_are_interpolated_without_loss() {
     assert!(mean < 2e-5 && gaussian < 2e-5, "{mean} {gaussian}");
 }
 
+/// The same where the blur is wide along some axes alone, as in thick slices, whichever axis they are along: against the sum over
+/// all voxels of the Gaussian and its derivatives at their distance from the point.
+#[test]
+fn thick_slices_are_interpolated_within_and_convolved_across() {
+    for spacing in [[0.5, 0.55, 2.0], [2.0, 0.5, 0.55], [0.5, 2.0, 0.55], [2.0, 0.5, 2.2]] {
+        let phantom = phantom(Ellipsoid { radii: [9.0, 7.0, 8.0] }, poses()[1], spacing);
+        let mask = phantom.labels().unwrap().mask(1);
+        let sigma = 3.0;
+        let scheme = scheme(&mask, sigma);
+        let points = indices(&phantom, &extract(scheme.embedding(), mask.grid()));
+        let points: Vec<[f64; 3]> = points.into_iter().step_by(41).collect();
+        assert!(points.len() > 10);
+        for (point, jet) in points.iter().zip(scheme.jets(&points)) {
+            let truth = summed(&mask, *point, sigma);
+            let found = [vec![jet.value], jet.gradient.to_vec(), jet.hessian.to_vec()].concat();
+            for (n, (found, truth)) in found.iter().zip(truth).enumerate() {
+                let order = [0, 1, 1, 1, 2, 2, 2, 2, 2, 2][n];
+                let apart = (found - truth).abs() * sigma.powi(order);
+                assert!(apart < 3e-5, "{spacing:?}, {point:?}, number {n}: {found} for {truth}");
+            }
+        }
+    }
+}
+
+/// 1/2 less the sum over a mask's voxels of the Gaussian at their distance from a point, and its derivatives in the order of a jet:
+/// in the middle of the Gaussian, so that its samples' sum is its integral.
+fn summed(mask: &Mask, point: [f64; 3], sigma: f64) -> [f64; 10] {
+    let spacing = mask.grid().spacing().mm();
+    let bell = |a: usize, index: i64| {
+        let u = (point[a] - index as f64) * spacing[a];
+        let g = spacing[a] / (sigma * TAU.sqrt()) * (-u * u / (2.0 * sigma * sigma)).exp();
+        let variance = sigma * sigma;
+        [g, -u / variance * g, (u * u / variance - 1.0) / variance * g]
+    };
+    let mut sums = [0.0; 10];
+    for z in 0..mask.grid().dimensions()[2] as i64 {
+        for y in 0..mask.grid().dimensions()[1] as i64 {
+            for x in (0..mask.grid().dimensions()[0] as i64).filter(|&x| mask.get([x, y, z])) {
+                let [bx, by, bz] = [bell(0, x), bell(1, y), bell(2, z)];
+                let orders = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1], [2, 0, 0], [0, 2, 0], [0, 0, 2]];
+                let mixed = [[1, 1, 0], [1, 0, 1], [0, 1, 1]];
+                for (sum, [ox, oy, oz]) in sums.iter_mut().zip(orders.into_iter().chain(mixed)) {
+                    *sum += bx[ox] * by[oy] * bz[oz];
+                }
+            }
+        }
+    }
+    sums[0] = 0.5 - sums[0];
+    for sum in &mut sums[1..] {
+        *sum = -*sum;
+    }
+    sums
+}
+
 /// The indicator of a ball after a Gaussian blur, at distance r from its centre: the radial integral in
 /// closed form.
 fn blurred_ball(r: f64, radius: f64, sigma: f64) -> f64 {

@@ -1,7 +1,8 @@
 //! The blurred indicator: the paper's embedding, and the one whose leading shift is taken off.
 
 use super::blur::Blur;
-use super::point_kernel::{PointDerivatives, PointKernel, PointMemory};
+use super::point_field::PointField;
+use super::point_kernel::PointDerivatives;
 use super::separable::{Orders, Separable};
 use super::{EdgeProfile, Embedding, Indicator};
 use crate::tiling::{Block, IndexBox, Pool};
@@ -31,7 +32,7 @@ struct Term {
     blur: Blur,
     /// Made when first asked for: differences of the blur need neither.
     convolution: OnceLock<Separable>,
-    at_points: OnceLock<PointKernel>,
+    at_points: OnceLock<PointField>,
 }
 
 impl<'a> GaussianEmbedding<'a> {
@@ -86,16 +87,17 @@ impl<'a> GaussianEmbedding<'a> {
         self.level
     }
 
-    /// The blurred indicator and its derivatives at a fractional voxel index.
-    pub(crate) fn convolve_at(&self, point: [f64; 3], memory: &mut PointMemory) -> PointDerivatives {
-        let mut total = [0.0; 10];
+    /// The blurred indicator and its derivatives, in mm, at fractional voxel indices of points near each other.
+    pub(crate) fn derivatives_at(&self, points: &[[f64; 3]]) -> Vec<PointDerivatives> {
+        let mut totals = vec![[0.0; 10]; points.len()];
         for term in &self.terms {
-            let kernel =
-                term.at_points.get_or_init(|| PointKernel::new(term.sigma, self.spacing(), term.truncation));
-            let found = kernel.convolve(self.indicator, point, memory);
-            total.iter_mut().zip(found).for_each(|(sum, value)| *sum += term.weight * value);
+            let field =
+                term.at_points.get_or_init(|| PointField::new(term.sigma, self.spacing(), term.truncation));
+            for (total, found) in totals.iter_mut().zip(field.derivatives(self.indicator, points)) {
+                total.iter_mut().zip(found).for_each(|(sum, value)| *sum += term.weight * value);
+            }
         }
-        total
+        totals
     }
 
     /// Derivatives of the blurred indicator on a box, slice by slice; an n-th one in units of 1 / sigma^n.

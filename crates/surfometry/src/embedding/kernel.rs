@@ -115,12 +115,8 @@ pub(crate) struct CumulativeKernel {
 }
 
 impl CumulativeKernel {
-    pub(crate) fn new(kernel: &GaussianKernel, order: usize) -> Self {
-        Self::of_taps(kernel.taps(), order)
-    }
-
     /// Of an odd number of taps of a derivative order.
-    fn of_taps(taps: &[f64], order: usize) -> Self {
+    pub(super) fn new(taps: &[f64], order: usize) -> Self {
         let mut kernel = Self::default();
         kernel.set_taps(taps, order);
         kernel
@@ -196,7 +192,7 @@ mod tests {
             let kernel = GaussianKernel::new(1.7, 1.0, order, TRUNCATION);
             let r = kernel.radius() as i64;
             let mut row = vec![0.0; 40];
-            CumulativeKernel::new(&kernel, order).add_run(&mut row, -5, (3, 21), 1.0);
+            CumulativeKernel::new(kernel.taps(), order).add_run(&mut row, -5, (3, 21), 1.0);
             for (i, &value) in row.iter().enumerate() {
                 let x = i as i64 - 5;
                 let direct: f64 =

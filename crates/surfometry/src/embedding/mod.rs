@@ -9,6 +9,7 @@ mod gaussian;
 mod given;
 mod indicator;
 mod kernel;
+mod point_field;
 mod point_kernel;
 mod precision;
 mod probability;
@@ -22,7 +23,7 @@ pub use edge_profile::EdgeProfile;
 pub use gaussian::GaussianEmbedding;
 pub use indicator::{Indicator, Row};
 pub use kernel::{GaussianKernel, TRUNCATION, TRUNCATION_OF_BLUR};
-pub(crate) use point_kernel::PointMemory;
+pub(crate) use point_kernel::JET_ORDERS;
 pub use precision::Precision;
 pub use recovering::{Corrections, Price, Recovery};
 

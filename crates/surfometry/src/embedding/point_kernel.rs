@@ -1,21 +1,39 @@
 //! The blurred indicator and its derivatives at a point off the grid.
 
 use super::kernel::{CumulativeKernel, Samples, WHOLE};
+use super::separable::Orders;
 use super::{Indicator, Row};
+
+/// Derivative orders along x, y, z of a jet's ten numbers: the value, the gradient, the Hessian.
+pub(crate) const JET_ORDERS: [Orders; 10] = [
+    [0, 0, 0],
+    [1, 0, 0],
+    [0, 1, 0],
+    [0, 0, 1],
+    [2, 0, 0],
+    [0, 2, 0],
+    [0, 0, 2],
+    [1, 1, 0],
+    [1, 0, 1],
+    [0, 1, 1],
+];
+
+/// The blurred indicator's numbers at a point, in the order of [`JET_ORDERS`].
+pub(crate) type PointDerivatives = [f64; 10];
 
 /// Taps of orders 0 to 2 around a fractional position on one axis.
 #[derive(Debug, Default)]
-struct AxisTaps {
+pub(super) struct AxisTaps {
     /// Voxel of the first tap.
-    first: i64,
-    orders: [Vec<f64>; 3],
+    pub(super) first: i64,
+    pub(super) orders: [Vec<f64>; 3],
     /// Positions and values of the Gaussian.
     bell: Vec<(f64, f64)>,
 }
 
 /// Memory that one point after the other is convolved in.
 #[derive(Debug, Default)]
-pub(crate) struct PointMemory {
+pub(super) struct PointMemory {
     axes: [AxisTaps; 3],
     sums: [CumulativeKernel; 3],
     voxels: Row,
@@ -23,7 +41,7 @@ pub(crate) struct PointMemory {
 
 /// What does not depend on the position: the Gaussian at whole steps from it, and its moments before the cut.
 #[derive(Debug)]
-struct AxisBell {
+pub(super) struct AxisBell {
     spacing: f64,
     sigma: f64,
     bell: Vec<f64>,
@@ -39,12 +57,17 @@ impl AxisBell {
         Self { spacing, sigma, bell, variance: whole.moment(2), bend: whole.bend() }
     }
 
+    /// Taps on each side of the one next to a position.
+    pub(super) fn radius(&self) -> i64 {
+        self.bell.len() as i64 / 2
+    }
+
     /// Normalised as the kernels of the grid are ([`GaussianKernel`](super::GaussianKernel)), and equal to
     /// them at a voxel.
-    fn taps_at(&self, position: f64, AxisTaps { first, orders, bell: taps }: &mut AxisTaps) {
+    pub(super) fn taps_at(&self, position: f64, AxisTaps { first, orders, bell: taps }: &mut AxisTaps) {
         let centre = position.round();
         let offset = position - centre;
-        let radius = self.bell.len() as i64 / 2;
+        let radius = self.radius();
         // exp(-(d - f)^2 h^2 / 2 sigma^2) = bell(d) q^d up to a factor that normalising takes off.
         let q = libm::exp(offset * (self.spacing / self.sigma).powi(2));
         let mut growth = libm::pow(q, -radius as f64);
@@ -71,20 +94,17 @@ impl AxisBell {
 
 /// Convolves an indicator with the products of Gaussian derivatives, centred at any point.
 #[derive(Debug)]
-pub(crate) struct PointKernel {
-    axes: [AxisBell; 3],
+pub(super) struct PointKernel {
+    pub(super) axes: [AxisBell; 3],
 }
 
-/// Value, then the derivatives x, y, z, xx, yy, zz, xy, xz, yz.
-pub(crate) type PointDerivatives = [f64; 10];
-
 impl PointKernel {
-    pub(crate) fn new(sigma: f64, spacing: [f64; 3], truncation: f64) -> Self {
+    pub(super) fn new(sigma: f64, spacing: [f64; 3], truncation: f64) -> Self {
         Self { axes: spacing.map(|h| AxisBell::new(sigma, h, truncation)) }
     }
 
     /// The blurred indicator and its derivatives, in mm, at a fractional voxel index.
-    pub(crate) fn convolve(
+    pub(super) fn convolve(
         &self,
         indicator: &dyn Indicator,
         point: [f64; 3],

@@ -26,14 +26,21 @@ impl Separable {
     /// Kernels in units of sigma, so that f32 holds them whatever the unit of length: an n-th derivative
     /// comes out multiplied by sigma^n.
     pub(crate) fn new(sigma: f64, spacing: [f64; 3], truncation: f64) -> Self {
-        let kernel = |axis: usize, order| GaussianKernel::new(1.0, spacing[axis] / sigma, order, truncation);
-        let taps = |axis: usize| {
-            std::array::from_fn(|order| kernel(axis, order).taps().iter().map(|&t| t as f32).collect())
+        Self::along([true; 3], sigma, spacing, truncation)
+    }
+
+    /// The same along some axes; along the others, of which there are no derivatives then, nothing is done.
+    pub(super) fn along(axes: [bool; 3], sigma: f64, spacing: [f64; 3], truncation: f64) -> Self {
+        let kernel = |axis: usize, order: usize| match axes[axis] {
+            true => GaussianKernel::new(1.0, spacing[axis] / sigma, order, truncation).taps().to_vec(),
+            false => vec![f64::from(u8::from(order == 0))],
         };
+        let taps =
+            |axis: usize| [0, 1, 2].map(|order| kernel(axis, order).iter().map(|&t| t as f32).collect());
         Self {
-            x: std::array::from_fn(|order| CumulativeKernel::new(&kernel(0, order), order)),
+            x: [0, 1, 2].map(|order| CumulativeKernel::new(&kernel(0, order), order)),
             taps: [taps(1), taps(2)],
-            halo: spacing.map(|h| GaussianKernel::radius_for(sigma, h, truncation)),
+            halo: [0, 1, 2].map(|axis| kernel(axis, 0).len() as i64 / 2),
         }
     }
 

@@ -1,9 +1,7 @@
 //! Derivatives of the blurred indicator by convolution with derivatives of the Gaussian.
 
-use super::interpolation::interpolated_values;
-use super::jet::ORDERS;
-use super::{BandVoxels, Differentiation, Jet, band_indices, hull_of_points};
-use crate::embedding::{GaussianEmbedding, PointMemory};
+use super::{BandVoxels, Differentiation, Jet, band_indices};
+use crate::embedding::{GaussianEmbedding, JET_ORDERS};
 use crate::tiling::{Block, IndexBox};
 
 /// First and second derivatives straight from the mask, without differences.
@@ -18,7 +16,7 @@ pub struct GaussianDerivatives<'a> {
 
 /// Orders of a [`Jet`]'s derivatives.
 const DERIVATIVES: [[usize; 3]; 9] = {
-    let [_value, derivatives @ ..] = ORDERS;
+    let [_value, derivatives @ ..] = JET_ORDERS;
     derivatives
 };
 
@@ -70,30 +68,20 @@ impl<'a> Differentiation for GaussianDerivatives<'a> {
         voxels.flush(visit);
     }
 
-    /// Convolved with kernels that are centred at each point; interpolated between the derivatives on the
-    /// grid where the blur is wide in voxels, which convolving pays for with the square of sigma while
-    /// nothing is lost, and where it is narrower than a voxel, so that a Gaussian's samples depend on where
-    /// between the voxels they are taken.
     fn jets_at(&self, _field: &Block<f32>, points: &[[f64; 3]]) -> Vec<Jet> {
-        let sigma = self.embedding.sigma();
-        let spacing = self.embedding.indicator().grid().spacing();
-        if sigma > WIDE * spacing.largest() || sigma < NARROW * spacing.largest() {
-            self.interpolated(points)
-        } else {
-            self.convolved(points)
-        }
+        self.jets(points)
+    }
+
+    fn jets(&self, points: &[[f64; 3]]) -> Vec<Jet> {
+        let jet = |[value, derivatives @ ..]: [f64; 10]| {
+            jet_of_blur(self.embedding.level() - value, 1.0, |n| derivatives[n])
+        };
+        self.embedding.derivatives_at(points).into_iter().map(jet).collect()
     }
 }
 
 /// Slices of the band that are convolved together.
 const SLICES: i64 = 32;
-/// Sigma in spacings from which on the polynomial through six voxels an axis is right to 1e-5
-/// (`tests/vertices.rs`).
-const WIDE: f64 = 4.0;
-/// Sigma in spacings below which a Gaussian's moments off the grid are not those on it (by 1e-3 here, by a
-/// factor of two at 0.43).
-const NARROW: f64 = 0.75;
-
 /// phi = T - blur, so its derivatives are those of the blur, negated; the blur's are in terms of a unit of
 /// length in mm.
 fn jet_of_blur(phi: f64, unit: f64, derivative: impl Fn(usize) -> f64) -> Jet {
@@ -101,33 +89,5 @@ fn jet_of_blur(phi: f64, unit: f64, derivative: impl Fn(usize) -> f64) -> Jet {
         value: phi,
         gradient: std::array::from_fn(|n| -derivative(n) / unit),
         hessian: std::array::from_fn(|n| -derivative(n + 3) / (unit * unit)),
-    }
-}
-
-impl GaussianDerivatives<'_> {
-    fn convolved(&self, points: &[[f64; 3]]) -> Vec<Jet> {
-        let mut memory = PointMemory::default();
-        let jet_at = |point: &[f64; 3]| {
-            let [value, derivatives @ ..] = self.embedding.convolve_at(*point, &mut memory);
-            jet_of_blur(self.embedding.level() - value, 1.0, |n| derivatives[n])
-        };
-        points.iter().map(jet_at).collect()
-    }
-
-    fn interpolated(&self, points: &[[f64; 3]]) -> Vec<Jet> {
-        let Some(hull) = hull_of_points(points).map(|hull| hull.grown([3; 3])) else { return Vec::new() };
-        let mut blocks: [Block<f32>; 10] = std::array::from_fn(|_| Block::filled(hull, 0.0));
-        let slice = hull.extent()[0] * hull.extent()[1];
-        self.embedding.for_each_slice(&hull, &ORDERS, |z, planes| {
-            let start = (z - hull.lower[2]) as usize * slice;
-            for (block, plane) in blocks.iter_mut().zip(planes) {
-                block.values_mut()[start..][..slice].copy_from_slice(plane);
-            }
-        });
-        let jet_at = |point: &[f64; 3]| {
-            let [value, derivatives @ ..] = interpolated_values(&blocks, *point);
-            jet_of_blur(self.embedding.level() - value, self.embedding.sigma(), |n| derivatives[n])
-        };
-        points.iter().map(jet_at).collect()
     }
 }

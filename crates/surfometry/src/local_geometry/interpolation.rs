@@ -1,60 +1,8 @@
 //! Derivatives off the grid from the voxels around.
 
-use super::jet::ORDERS;
-use super::{Jet, MINIMUM_POINTS};
-use crate::tiling::{Block, IndexBox};
-
-/// The polynomial through six voxels of an axis: for each voxel, its weight in the value and the first two
-/// derivatives, in units of 1/spacing^order.
-struct AxisWeights {
-    first: i64,
-    weights: [[f64; 3]; MINIMUM_POINTS],
-}
-
-impl AxisWeights {
-    /// At a fractional index on an axis whose values exist on `lower..upper`: the point in the middle, or
-    /// nearer to the end where the field ends.
-    fn at(position: f64, lower: i64, upper: i64) -> Self {
-        let points = MINIMUM_POINTS as i64;
-        let first = (position.floor() as i64 - points / 2 + 1).clamp(lower, upper - points);
-        let x = position - first as f64;
-        // Lagrange's polynomial, a factor at a time, with its derivatives by the product rule.
-        let weights = |node: usize| {
-            let (mut value, mut slope, mut bend) = (1.0, 0.0, 0.0);
-            for other in (0..MINIMUM_POINTS).filter(|&other| other != node) {
-                let scale = 1.0 / (node as f64 - other as f64);
-                let factor = (x - other as f64) * scale;
-                bend = bend * factor + 2.0 * slope * scale;
-                slope = slope * factor + value * scale;
-                value *= factor;
-            }
-            [value, slope, bend]
-        };
-        Self { first, weights: std::array::from_fn(weights) }
-    }
-
-    /// At a fractional index, along the three axes of a box.
-    fn within(region: &IndexBox, point: [f64; 3]) -> [Self; 3] {
-        std::array::from_fn(|a| Self::at(point[a], region.lower[a], region.upper[a]))
-    }
-}
-
-/// Values at a fractional index of blocks of one box of at least six voxels a side.
-pub(super) fn interpolated_values<const N: usize>(blocks: &[Block<f32>; N], point: [f64; 3]) -> [f64; N] {
-    let [x, y, z] = AxisWeights::within(&blocks[0].region(), point);
-    let mut values = [0.0; N];
-    for (slice, wz) in (z.first..).zip(&z.weights) {
-        for (row, wy) in (y.first..).zip(&y.weights) {
-            let start = blocks[0].offset([x.first, row, slice]);
-            let weight = wy[0] * wz[0];
-            for (value, block) in values.iter_mut().zip(blocks) {
-                let along = block.values()[start..].iter().zip(&x.weights);
-                *value += weight * along.map(|(&v, w)| w[0] * f64::from(v)).sum::<f64>();
-            }
-        }
-    }
-    values
-}
+use super::Jet;
+use crate::embedding::JET_ORDERS;
+use crate::tiling::{AxisWeights, Block};
 
 /// Value and derivatives, in mm along the image's axes, at a fractional index of a block of at least six
 /// voxels a side.
@@ -75,13 +23,13 @@ pub(super) fn interpolated_jet<T: Copy + Into<f64>>(
                     .map(|(&v, w)| w[order] * v.into())
                     .sum::<f64>()
             });
-            for (number, [ox, oy, oz]) in numbers.iter_mut().zip(ORDERS) {
+            for (number, [ox, oy, oz]) in numbers.iter_mut().zip(JET_ORDERS) {
                 *number += along_x[ox] * wy[oy] * wz[oz];
             }
         }
     }
     let scaled = |n: usize| {
-        let powers = (0..3).map(|a| spacing[a].powi(ORDERS[n][a] as i32)).product::<f64>();
+        let powers = (0..3).map(|a| spacing[a].powi(JET_ORDERS[n][a] as i32)).product::<f64>();
         numbers[n] / powers
     };
     Jet {
@@ -94,6 +42,7 @@ pub(super) fn interpolated_jet<T: Copy + Into<f64>>(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::tiling::IndexBox;
 
     /// Exact on polynomials up to degree five along each axis, in the middle and at the ends.
     #[test]

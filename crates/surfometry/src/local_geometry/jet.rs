@@ -13,20 +13,6 @@ pub struct Jet {
     pub hessian: [f64; 6],
 }
 
-/// Derivative orders along x, y, z of a jet's ten numbers: the value, the gradient, the Hessian.
-pub(super) const ORDERS: [[usize; 3]; 10] = [
-    [0, 0, 0],
-    [1, 0, 0],
-    [0, 1, 0],
-    [0, 0, 1],
-    [2, 0, 0],
-    [0, 2, 0],
-    [0, 0, 2],
-    [1, 1, 0],
-    [1, 0, 1],
-    [0, 1, 1],
-];
-
 impl Jet {
     /// The same along perpendicular axes, of derivatives along axes that are not.
     pub(super) fn unsheared(&self, shear: &Shear) -> Self {

@@ -181,7 +181,7 @@ pub trait Differentiation: Sync {
 
     /// As [`Differentiation::jets_at`], for points near each other, from the embedding.
     fn jets(&self, points: &[[f64; 3]]) -> Vec<Jet> {
-        let Some(hull) = hull_of_points(points) else { return Vec::new() };
+        let Some(hull) = IndexBox::around(points) else { return Vec::new() };
         self.jets_at(&self.embedding().evaluate(&self.field_region(&hull), 0.0), points)
     }
 }
@@ -212,10 +212,4 @@ fn band_indices<T: Precision>(field: &Block<T>, tile: &IndexBox, half_width: f64
         }
     }
     indices
-}
-
-/// The box of the voxels at or below fractional indices; `None` without any.
-fn hull_of_points(points: &[[f64; 3]]) -> Option<IndexBox> {
-    let voxel = |p: &[f64; 3]| IndexBox::voxel(p.map(|v| v.floor() as i64));
-    points.iter().map(voxel).reduce(|hull, voxel| hull.hull(&voxel))
 }

@@ -17,6 +17,13 @@ impl<D: Differentiation> Unsheared<D> {
     pub(crate) fn new(scheme: D, grid: &Grid) -> Self {
         Self { scheme, shear: grid.shear() }
     }
+
+    fn unsheared(&self, jets: Vec<Jet>) -> Vec<Jet> {
+        match &self.shear {
+            None => jets,
+            Some(shear) => jets.iter().map(|jet| jet.unsheared(shear)).collect(),
+        }
+    }
 }
 
 impl<D: Differentiation> Differentiation for Unsheared<D> {
@@ -46,10 +53,10 @@ impl<D: Differentiation> Differentiation for Unsheared<D> {
     }
 
     fn jets_at(&self, field: &FieldBlock<Self>, points: &[[f64; 3]]) -> Vec<Jet> {
-        let jets = self.scheme.jets_at(field, points);
-        match &self.shear {
-            None => jets,
-            Some(shear) => jets.iter().map(|jet| jet.unsheared(shear)).collect(),
-        }
+        self.unsheared(self.scheme.jets_at(field, points))
+    }
+
+    fn jets(&self, points: &[[f64; 3]]) -> Vec<Jet> {
+        self.unsheared(self.scheme.jets(points))
     }
 }

@@ -45,6 +45,12 @@ impl IndexBox {
         Self::new(index, index.map(|i| i + 1))
     }
 
+    /// The box of the voxels at or below fractional indices; `None` without any.
+    pub(crate) fn around(points: &[[f64; 3]]) -> Option<Self> {
+        let voxel = |point: &[f64; 3]| Self::voxel(point.map(|v| v.floor() as i64));
+        points.iter().map(voxel).reduce(|hull, voxel| hull.hull(&voxel))
+    }
+
     /// Whether it has no voxel.
     pub fn is_empty(&self) -> bool {
         *self == Self::EMPTY

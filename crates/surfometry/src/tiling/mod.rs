@@ -15,6 +15,7 @@
 //! assert_eq!(sum(&[1.0, -1e16, 1e16]), 1.0);
 //! ```
 
+mod axis_weights;
 mod block;
 mod cover;
 mod disjoint_sets;
@@ -25,6 +26,7 @@ mod pool;
 mod sparse_field;
 mod work_time;
 
+pub(crate) use axis_weights::AxisWeights;
 pub use block::Block;
 pub(crate) use cover::{Cover, Joint};
 pub(crate) use disjoint_sets::DisjointSets;

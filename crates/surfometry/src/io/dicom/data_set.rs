@@ -23,6 +23,9 @@ const COMPRESSED: [(&str, &str); 7] = [
     ("1.2.840.10008.1.2.5", "RLE"),
 ];
 
+/// Out of use, so that the dictionary warns of it, and read all the same.
+const BIG_ENDIAN: &str = "1.2.840.10008.1.2.2";
+
 /// Bytes in front of DICOM's mark.
 pub(super) const PREAMBLE: usize = 128;
 
@@ -40,16 +43,17 @@ pub(super) struct DataSet {
 impl DataSet {
     /// All elements in front of the pixels.
     pub(super) fn header(path: &Path) -> Result<Self, ReadError> {
+        lengths::check(path, Some(tags::PIXEL_DATA))?;
         Self::read(path, OpenFileOptions::new().read_until(tags::PIXEL_DATA))
     }
 
     /// All elements.
     pub(super) fn whole(path: &Path) -> Result<Self, ReadError> {
+        lengths::check(path, None)?;
         Self::read(path, OpenFileOptions::new())
     }
 
     fn read(path: &Path, options: OpenFileOptions) -> Result<Self, ReadError> {
-        lengths::check(path)?;
         let (file, _) = open_file(path)?;
         let object = options.from_reader(BufReader::new(file)).map_err(|e| unreadable(path, &e))?;
         Ok(Self { object })
@@ -75,7 +79,7 @@ impl DataSet {
     pub(super) fn pixels(&self) -> Result<Vec<u8>, ReadError> {
         self.check_pixels_are_plain()?;
         // Words of 16 bits are turned, and whether the two of a pixel are as well, writers do not agree on.
-        let is_big_endian = self.object.meta().transfer_syntax() == lengths::BIG_ENDIAN;
+        let is_big_endian = self.object.meta().transfer_syntax() == BIG_ENDIAN;
         if is_big_endian && self.whole_number(tags::BITS_ALLOCATED) == Some(32) {
             return Err(error(
                 "32 bits a pixel in big-endian order, which programs write in two ways, are not read; `dcmconv +te IN OUT` writes \
