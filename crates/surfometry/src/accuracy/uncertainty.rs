@@ -113,6 +113,11 @@ impl ErrorModel {
         (area / (8.0 * PI.powi(3)) * self.lattice).sqrt()
     }
 
+    /// The sum over the reciprocal lattice, the origin left out, of 1 / xi^4, mm^4.
+    pub(crate) fn lattice(&self) -> f64 {
+        self.lattice
+    }
+
     /// What open rims of so much length, mm, add to the standard error of M.
     ///
     /// Moving a surface by u changes the integral of H by that of u K, and along a rim by half of that of u's derivative across
@@ -186,6 +191,16 @@ impl ErrorModel {
         let curvature = rms_curvature(&integrals.surface);
         let more = self.grid_noise(integrals).volume * (copies - 1.0).sqrt();
         errors.with(2.0 * curvature * more, curvature * curvature * more, &integrals.surface)
+    }
+
+    /// Errors of an object of which so much of V, mm^3, is off in the same direction beside what these know of: its surface moves
+    /// as a whole, as a tube's does.
+    #[must_use]
+    pub(crate) fn moved(self, volume: f64, errors: IntegralErrors, integrals: &Integrals) -> IntegralErrors {
+        let surface = &integrals.surface;
+        let mean = volume * surface.total_gaussian_curvature.abs() / surface.area;
+        let errors = errors.with(rms_curvature(surface) * volume, mean, surface);
+        IntegralErrors { volume: libm::hypot(errors.volume, volume), ..errors }
     }
 
     /// What wide terraces of flat faces a few degrees off the grid add to A. Taking terraces off on the mean over

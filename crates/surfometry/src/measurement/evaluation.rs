@@ -200,19 +200,21 @@ impl Setup {
         let (detail, spacing) = (&totals.sums.detail, self.grid.spacing());
         let lost = [detail.area(spacing), detail.total_mean_curvature(spacing)];
         let slopes = totals.sums.ripples.mean_square();
+        let beyond = modelled.map_or(0.0, |(model, blurred)| self.beyond(totals, &model, &blurred));
         let compensated_errors = modelled.filter(|_| terms.is_some()).map(|(model, blurred)| {
             let surface = &blurred.surface;
             let profile = self.parameters.profile();
             let ripples = profile.map_or([0.0; 2], |profile| model.of_ripples(surface, &profile, slopes));
             let errors = model.compensated(&blurred, ripples).with(lost[0], lost[1], surface);
             let [area, mean] = off_by_volume(surface, values.volume_mm3.zip(counted));
-            model.of_copies(copies, errors, &blurred).with(area, mean, surface)
+            let errors = model.of_copies(copies, errors, &blurred).with(area, mean, surface);
+            model.moved(beyond, errors, &blurred)
         });
         let faces = totals.recovered.map(|recovered| recovered.faces());
         let noise = modelled.map(|(model, blurred)| {
             let curved = model.volume_of_curved(blurred.surface.area) * copies.sqrt();
             let [of_faces, faces_of_area] = model.of_faces(faces.unwrap_or(blurred.faces));
-            SamplingNoise { curved, of_faces, faces_of_area }
+            SamplingNoise { curved, moved: libm::hypot(curved, beyond), of_faces, faces_of_area }
         });
         let mut errors = compensated_errors.as_ref().map(SurfaceValues::of_errors).unwrap_or_default();
         if let Some([recovered, recovered_errors]) =
@@ -227,8 +229,10 @@ impl Setup {
             let area = values.surface_area_mm2.unwrap_or_default();
             [recovered.summary.thinness(), 1.0, recovered.summary.noise_of_volume(area, spacing)]
         });
-        let counted_error =
-            noise.map(|noise| libm::hypot(libm::hypot(noise.curved * thin, noise.of_faces * faces), flipped));
+        let counted_error = noise.map(|noise| {
+            let curved = (noise.curved * thin).max(noise.moved);
+            libm::hypot(libm::hypot(curved, noise.of_faces * faces), flipped)
+        });
         let exact = euler.map(|_| 0.0);
         [
             SurfaceValues {
@@ -244,6 +248,21 @@ impl Setup {
                 ..errors
             },
         ]
+    }
+
+    /// Standard deviation of V, mm^3, beyond that of curved surfaces and faces, because the object's lies so in the grid: of straight
+    /// tubes along it each slice is off by as much. 0 of soft segmentations.
+    fn beyond(&self, totals: &Totals, model: &ErrorModel, blurred: &Integrals) -> f64 {
+        if self.soft.is_some() {
+            return 0.0;
+        }
+        let spectrum = &totals.sums.surface.spectrum;
+        let of_blurred = || spectrum.variance_of_volume(self.grid.spacing(), model.lattice());
+        let recovered = totals.recovered;
+        let variance = recovered.map_or_else(of_blurred, |recovered| recovered.variance_of_volume);
+        let faces = recovered.map_or(blurred.faces, |recovered| recovered.faces());
+        let known = libm::hypot(model.volume_of_curved(blurred.surface.area), model.of_faces(faces)[0]);
+        (variance - known * known).max(0.0).sqrt()
     }
 
     /// Where the object and the gaps in it are narrowest, of those whose share of the band counts.

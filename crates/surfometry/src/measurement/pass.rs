@@ -142,7 +142,7 @@ impl Pass<'_> {
         let mut surface = SurfaceSums::default();
         if let TileField::Varying(field) = field {
             if self.with_surface {
-                surface = SurfaceSums::of_tile(&TileMesh::of(&field, tile, limits), self.spacing.mm());
+                surface = SurfaceSums::of_tile(&TileMesh::of(&field, tile, limits), self.spacing);
             }
             *memory = field.into_storage();
         }

@@ -4,7 +4,7 @@ use super::setup::Setup;
 use super::{MeasureError, SurfaceValues};
 use crate::accuracy::{Flag, FlagCode, SHARED, left_of_terraces, of_average};
 use crate::embedding::{CorrectedMask, Corrections, Price, Recovery};
-use crate::surface::{Creases, Surface, VertexGeometry};
+use crate::surface::{Creases, Spectrum, Surface, VertexGeometry};
 use crate::volume::{Grid, Mask, Spacing};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
@@ -38,6 +38,8 @@ pub struct RecoverySummary {
 pub(super) struct Recovered {
     pub(super) summary: RecoverySummary,
     surface: Option<Mesh>,
+    /// How the mesh lies in the grid: variance of V, mm^6, by its spectrum.
+    pub(super) variance_of_volume: f64,
 }
 
 /// What a shift of the grid does to an object as a whole, standard deviations.
@@ -45,6 +47,8 @@ pub(super) struct Recovered {
 pub(super) struct SamplingNoise {
     /// Of V, by its curved surface, mm^3.
     pub(super) curved: f64,
+    /// The same with what it is more, for straight tubes and the like lie in the grid as wholes.
+    pub(super) moved: f64,
     /// Of V, by flat faces along the grid, mm^3, and of A, mm^2.
     pub(super) of_faces: f64,
     pub(super) faces_of_area: f64,
@@ -190,9 +194,10 @@ pub(super) fn check_recoverable(setup: &Setup) -> Result<(), MeasureError> {
 
 impl Recovered {
     /// By the mesh of phi = 0: a band is wider than thin parts.
-    pub(super) fn new(summary: RecoverySummary, surface: &Surface, grid: &Grid) -> Self {
+    pub(super) fn new(summary: RecoverySummary, surface: &Surface, grid: &Grid, lattice: f64) -> Self {
         let spacing = grid.spacing();
         let mesh = &surface.mesh;
+        let spectrum = Spectrum::of_mesh(mesh, grid);
         let areas = mesh.vertex_areas();
         let area: f64 = areas.iter().sum();
         let sharpest = 1.0 / (SHARP * spacing.geometric_mean());
@@ -216,7 +221,11 @@ impl Recovered {
             creased_area,
             creases: Creases::of(surface, &areas, grid),
         };
-        Self { summary, surface: (area > 0.0).then_some(surface) }
+        Self {
+            summary,
+            surface: (area > 0.0).then_some(surface),
+            variance_of_volume: spectrum.variance_of_volume(spacing, lattice),
+        }
     }
 
     /// Area of the faces along the grid, by axis, mm^2.
@@ -252,7 +261,7 @@ impl Recovered {
         let of_edge = EDGES_LOST[1] * lost * edges / mesh.area * mesh.absolute_mean_curvature;
         let mean = mesh.total_mean_curvature + of_mean + of_edge + given_back[1];
         // A surface that voxels happen to make larger is a parallel one, too.
-        let too_large = noise.curved / mesh.area;
+        let too_large = noise.moved / mesh.area;
         let sampled = [2.0 * mesh.total_mean_curvature * too_large, gaussian * too_large];
         let terraces = left_of_terraces(spacing, sigma);
         let of_pose = self.errors_of_pose(&mesh, [of_area, of_mean], sampled, terraces);
