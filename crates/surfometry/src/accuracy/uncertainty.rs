@@ -5,6 +5,7 @@ use super::occupancy_noise::OccupancyNoise;
 use super::terraces::inverse_fourth_powers;
 use crate::embedding::EdgeProfile;
 use crate::integrals::{Integrals, SmearedDelta, SurfaceIntegrals};
+use crate::surface::Spectrum;
 use crate::volume::Spacing;
 use std::f64::consts::PI;
 
@@ -113,9 +114,9 @@ impl ErrorModel {
         (area / (8.0 * PI.powi(3)) * self.lattice).sqrt()
     }
 
-    /// The sum over the reciprocal lattice, the origin left out, of 1 / xi^4, mm^4.
-    pub(crate) fn lattice(&self) -> f64 {
-        self.lattice
+    /// The variance of V, mm^6, by how a surface lies in the grid.
+    pub(crate) fn variance_of_volume(&self, spectrum: &Spectrum) -> f64 {
+        spectrum.variance_of_volume(self.spacing, self.sigma, self.lattice)
     }
 
     /// What open rims of so much length, mm, add to the standard error of M.

@@ -256,8 +256,7 @@ impl Setup {
         if self.soft.is_some() {
             return 0.0;
         }
-        let spectrum = &totals.sums.surface.spectrum;
-        let of_blurred = || spectrum.variance_of_volume(self.grid.spacing(), model.lattice());
+        let of_blurred = || model.variance_of_volume(&totals.sums.surface.spectrum);
         let recovered = totals.recovered;
         let variance = recovered.map_or_else(of_blurred, |recovered| recovered.variance_of_volume);
         let faces = recovered.map_or(blurred.faces, |recovered| recovered.faces());

@@ -338,8 +338,7 @@ impl Object {
     fn recovered(&self) -> (Option<Recovered>, Duration) {
         let Content::Corrected(_, summary) = &self.content else { return <_>::default() };
         let start = Instant::now();
-        let lattice = self.setup.errors.map_or(0.0, |errors| errors.lattice());
-        let recovered = Recovered::new(*summary, &self.bare_surface(), self.grid(), lattice);
+        let recovered = Recovered::new(*summary, &self.bare_surface(), self.grid(), self.setup.errors);
         (Some(recovered), self.preparation + start.elapsed())
     }
 

@@ -2,7 +2,7 @@
 
 use super::setup::Setup;
 use super::{MeasureError, SurfaceValues};
-use crate::accuracy::{Flag, FlagCode, SHARED, left_of_terraces, of_average};
+use crate::accuracy::{ErrorModel, Flag, FlagCode, SHARED, left_of_terraces, of_average};
 use crate::embedding::{CorrectedMask, Corrections, Price, Recovery};
 use crate::surface::{Creases, Spectrum, Surface, VertexGeometry};
 use crate::volume::{Grid, Mask, Spacing};
@@ -194,10 +194,14 @@ pub(super) fn check_recoverable(setup: &Setup) -> Result<(), MeasureError> {
 
 impl Recovered {
     /// By the mesh of phi = 0: a band is wider than thin parts.
-    pub(super) fn new(summary: RecoverySummary, surface: &Surface, grid: &Grid, lattice: f64) -> Self {
+    pub(super) fn new(
+        summary: RecoverySummary,
+        surface: &Surface,
+        grid: &Grid,
+        errors: Option<ErrorModel>,
+    ) -> Self {
         let spacing = grid.spacing();
         let mesh = &surface.mesh;
-        let spectrum = Spectrum::of_mesh(mesh, grid);
         let areas = mesh.vertex_areas();
         let area: f64 = areas.iter().sum();
         let sharpest = 1.0 / (SHARP * spacing.geometric_mean());
@@ -224,7 +228,8 @@ impl Recovered {
         Self {
             summary,
             surface: (area > 0.0).then_some(surface),
-            variance_of_volume: spectrum.variance_of_volume(spacing, lattice),
+            variance_of_volume: errors
+                .map_or(0.0, |errors| errors.variance_of_volume(&Spectrum::of_mesh(mesh, grid))),
         }
     }
 
