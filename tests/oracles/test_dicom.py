@@ -1,6 +1,8 @@
 """DICOM as pydicom and highdicom write it: series in any order, and segmentations of every kind, on an oblique lattice of three
 spacings whose slices have no whole number of bytes of bits."""
 
+import struct
+
 import highdicom as hd
 import nibabel as nib
 import numpy as np
@@ -405,6 +407,40 @@ def test_a_representation_that_there_is_not(tmp_path):
     """Readers take it for UN, whose length has four bytes: 2 GB were made room for in a file of 4 kB (found by fuzz/)."""
     claim = b"\x91T\0\0" + (2433941536).to_bytes(4, "little")
     assert "claims 2433941536 bytes" in error_of(tmp_path, b"\x20\x00\x13\x00IS", 4, 8, claim)
+
+
+IMPLICIT_ITEM = struct.pack("<HHI", 0x0009, 0x1001, 4) + b"abcd"
+NESTED = struct.pack("<HHI", 0x0009, 0x1002, 0xFFFFFFFF) + struct.pack("<HHIHHI", 0xFFFE, 0xE000, 0, 0xFFFE, 0xE0DD, 0)
+ENDS = [struct.pack("<HHI", 0xFFFE, 0xE00D, 0), struct.pack("<HHI", 0xFFFE, 0xE0DD, 0)]
+
+
+@pytest.mark.parametrize("syntax", [ExplicitVRLittleEndian, ExplicitVRBigEndian])
+@pytest.mark.parametrize("is_defined", [False, True])
+def test_sequences_of_no_known_representation(tmp_path, syntax, is_defined):
+    """Their items are in implicit little-endian order, whatever the file is (PS3.5, 6.2.2); pydicom reads them, and we leave them out."""
+    voxels = body()
+    folder = write_series(tmp_path / "series", voxels, syntax=syntax)
+    order = "<" if syntax == ExplicitVRLittleEndian else ">"
+    inside = IMPLICIT_ITEM + NESTED
+    item = struct.pack("<HHI", 0xFFFE, 0xE000, len(inside) if is_defined else 0xFFFFFFFF) + inside
+    element = struct.pack(order + "HH2s2sI", 0x0009, 0x1000, b"UN", b"", 0xFFFFFFFF) + item
+    element += ENDS[1] if is_defined else b"".join(ENDS)
+    for path in folder.iterdir():
+        data = path.read_bytes()
+        # In front of the patient's name.
+        at = data.index(struct.pack(order + "HH", 0x0010, 0x0010))
+        path.write_bytes(data[:at] + element + data[at:])
+        assert pydicom.dcmread(path)[0x0009, 0x1000].value is not None
+    check(folder, voxels)
+
+
+@pytest.mark.parametrize("padding", [b"\0" * 7, b"\0" * 100, b"\0" * 512, b"\xff" * 64])
+def test_padding_behind_the_pixels(tmp_path, padding):
+    voxels = body()
+    folder = write_series(tmp_path / "series", voxels)
+    for path in folder.iterdir():
+        path.write_bytes(path.read_bytes() + padding)
+    check(folder, voxels)
 
 
 def test_an_item_in_no_sequence(tmp_path):

@@ -204,6 +204,27 @@ fn an_input_named_twice() {
     assert_eq!((rows("scan "), rows("scan-2")), (2, 0), "{table}");
 }
 
+/// Completions go to stdout: a file that is named for them is refused, and not left out in silence.
+#[test]
+fn completions_have_no_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let refused = run_in(folder.path(), &["generate", "bash", "-o", "completions"]);
+    let said = text(&refused.stderr);
+    assert_eq!(refused.status.code(), Some(2), "{said}");
+    assert!(said.contains("--output: the folder of man pages") && said.contains("> completions"), "{said}");
+    assert!(refused.stdout.is_empty() && !folder.path().join("completions").exists());
+}
+
+/// At other levels than 0.5 nothing is compensated: what a sweep over them shows is the blurred surface's.
+#[test]
+fn a_sweep_over_levels_says_whose_numbers_it_has() {
+    let swept = shown(&["sweep", "phantom:ball?radius=8", "--over", "level", "--range", "0.3:0.7:3"]);
+    assert!(
+        swept.contains("of the smoothed surface at that level") && !swept.contains("as it was segmented"),
+        "{swept}"
+    );
+}
+
 /// `map` has no --explain: it names the command that has.
 #[test]
 fn a_map_names_the_command_that_explains() {
@@ -211,7 +232,10 @@ fn a_map_names_the_command_that_explains() {
     let arguments = ["--sigma", "1", "--thickness", "1.2", "-o", "ball.ply"];
     let mapped = run_in(folder.path(), &[&["map", "phantom:ball?radius=8"], &arguments[..]].concat());
     let said = text(&mapped.stderr).split_whitespace().collect::<Vec<_>>().join(" ");
-    assert!(said.contains("ask for an explanation (surfometry measure FILE --explain)"), "{said}");
+    assert!(
+        said.contains("ask for an explanation (surfometry measure FILE --embedding gaussian --explain)"),
+        "{said}"
+    );
 }
 
 /// Where detail was given back as far as voxels allow, no other choice is advised.
@@ -221,5 +245,5 @@ fn detail_that_no_choice_gives_back() {
     let recovered = shown(&["measure", shape, "--embedding", "recovering"]);
     let told = "! detail-lost: the recovering embedding does not give the object back: 1 voxel lost";
     assert!(recovered.contains(told) && recovered.contains("only a finer scan tells more"), "{recovered}");
-    assert!(!recovered.contains("use the recovering embedding"), "{recovered}");
+    assert!(!recovered.contains("the recovering embedding keeps it"), "{recovered}");
 }

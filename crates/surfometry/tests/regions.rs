@@ -6,7 +6,7 @@ use common::{SPACINGS, phantom, poses};
 use std::f64::consts::PI;
 use surfometry::Measurement;
 use surfometry::measurement::{Measured, Object, RegionPart, Regions, SurfaceValues};
-use surfometry::phantoms::{Ball, Capsule, Shape, Torus};
+use surfometry::phantoms::{Ball, Capsule, Ellipsoid, Shape, Torus};
 use surfometry::volume::{Affine, Grid, LabelImage, LabelTable};
 
 /// What a function says of the world, on a turned lattice around its origin.
@@ -246,4 +246,28 @@ fn parts_add_up_whatever_the_embedding() {
     assert!(measured.surface_area_mm2.is_none() && parts.iter().all(|p| p.values.surface_area_mm2.is_none()));
     let volume: f64 = parts.iter().map(|part| part.values.volume_mm3.unwrap()).sum();
     assert!((volume - measured.volume_mm3.unwrap()).abs() < 1e-9);
+}
+
+/// A region that is all of a thin object, which is given back, has its errors; halves have those of independent halves or longer, and
+/// no longer than the whole's but for what the border between them is worth.
+#[test]
+fn regions_of_a_thin_object() {
+    use surfometry::measurement::EmbeddingKind;
+    let choices = Measurement::default().embedding(EmbeddingKind::Recovering);
+    let (object, measured) = object(Ellipsoid { radii: [20.0, 4.0, 3.5] }, 1, [1.0; 3], &choices);
+    let whole = four(&measured.standard_error).map(Option::unwrap);
+    let all = object.regions(&measured, &regions(40.0, [1.1; 3], |_| 1));
+    let found = four(&all[0].standard_error).map(Option::unwrap);
+    for n in 0..3 {
+        let ratio = found[n] / whole[n];
+        assert!((0.999..1.3).contains(&ratio), "{n}: {} for {}", found[n], whole[n]);
+    }
+    let middle = poses()[1].shift();
+    let halves = object.regions(&measured, &regions(40.0, [1.1; 3], |p| 1 + u8::from(p[2] > middle[2])));
+    for part in &halves {
+        let found = four(&part.standard_error).map(Option::unwrap);
+        for n in 1..3 {
+            assert!((0.6..2.0).contains(&(found[n] / whole[n])), "{n}: {} for {}", found[n], whole[n]);
+        }
+    }
 }

@@ -2,7 +2,7 @@
 
 use super::ALL_DONE;
 use crate::output::deliver;
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, bail};
 use clap::ValueEnum;
 use clap_complete::Shell;
 use std::path::PathBuf;
@@ -46,6 +46,9 @@ impl Generated {
 
 pub(crate) fn run(args: &Args, mut program: clap::Command) -> Result<u8> {
     if let Some(shell) = args.what.shell() {
+        if let Some(output) = &args.output {
+            bail!("--output: the folder of man pages; completions go to stdout (> {})", output.display());
+        }
         let mut script = Vec::new();
         clap_complete::generate(shell, &mut program, "surfometry", &mut script);
         deliver(&String::from_utf8_lossy(&script), None)?;

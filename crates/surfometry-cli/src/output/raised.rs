@@ -92,7 +92,7 @@ fn flags_of(records: &[&Record]) -> Vec<(String, Flag)> {
 /// none is missing.
 pub(crate) fn raised_text(all: &[(String, Flag)], objects: usize) -> String {
     let shown: Vec<_> = all.iter().filter(|(_, flag)| flag.code != FlagCode::NotComputed).cloned().collect();
-    paragraphs(&shown, objects, "surfometry measure FILE --explain")
+    paragraphs(&shown, objects, "surfometry measure FILE --embedding gaussian --explain")
 }
 
 fn paragraphs(all: &[(String, Flag)], objects: usize, explain: &str) -> String {

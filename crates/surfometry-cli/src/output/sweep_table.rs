@@ -7,6 +7,10 @@ use surfometry::runs::{Record, SweptParameter};
 const LEGEND: &str = "V mm\u{b3}, A mm\u{b2}, M = total H mm of the object as it was segmented, with standard errors; blurred: of the \
                       smoothed surface.";
 
+/// At other levels than 0.5 nothing is compensated.
+const OF_LEVELS: &str = "V mm\u{b3}, A mm\u{b2}, M = total H mm of the smoothed surface at that level, which is another one than the \
+                         object's; with standard errors at 0.5 alone.";
+
 /// Sweeps over one parameter.
 pub(crate) struct SweepTables(pub(crate) SweptParameter);
 
@@ -16,7 +20,8 @@ impl Presenter<Record> for SweepTables {
     }
 
     fn ending(&self) -> String {
-        format!("\n{}", wrapped(LEGEND, "", ""))
+        let legend = if self.0 == SweptParameter::Level { OF_LEVELS } else { LEGEND };
+        format!("\n{}", wrapped(legend, "", ""))
     }
 }
 

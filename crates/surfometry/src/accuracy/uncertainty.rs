@@ -39,6 +39,15 @@ impl IntegralErrors {
             ..self
         }
     }
+
+    /// The same of an object of which so much of V, mm^3, is off in the same direction beside what these know of: its surface moves
+    /// as a whole, as a tube's does.
+    #[must_use]
+    pub(crate) fn moved(self, volume: f64, surface: &SurfaceIntegrals) -> Self {
+        let mean = volume * surface.total_gaussian_curvature.abs() / surface.area;
+        let errors = self.with(rms_curvature(surface) * volume, mean, surface);
+        Self { volume: libm::hypot(self.volume, volume), ..errors }
+    }
 }
 
 /// What is left after compensation, in units of sigma^4 times the integral of the third, fourth and fifth
@@ -192,16 +201,6 @@ impl ErrorModel {
         let curvature = rms_curvature(&integrals.surface);
         let more = self.grid_noise(integrals).volume * (copies - 1.0).sqrt();
         errors.with(2.0 * curvature * more, curvature * curvature * more, &integrals.surface)
-    }
-
-    /// Errors of an object of which so much of V, mm^3, is off in the same direction beside what these know of: its surface moves
-    /// as a whole, as a tube's does.
-    #[must_use]
-    pub(crate) fn moved(self, volume: f64, errors: IntegralErrors, integrals: &Integrals) -> IntegralErrors {
-        let surface = &integrals.surface;
-        let mean = volume * surface.total_gaussian_curvature.abs() / surface.area;
-        let errors = errors.with(rms_curvature(surface) * volume, mean, surface);
-        IntegralErrors { volume: libm::hypot(errors.volume, volume), ..errors }
     }
 
     /// What wide terraces of flat faces a few degrees off the grid add to A. Taking terraces off on the mean over

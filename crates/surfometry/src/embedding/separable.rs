@@ -31,9 +31,12 @@ impl Separable {
 
     /// The same along some axes; along the others, of which there are no derivatives then, nothing is done.
     pub(super) fn along(axes: [bool; 3], sigma: f64, spacing: [f64; 3], truncation: f64) -> Self {
-        let kernel = |axis: usize, order: usize| match axes[axis] {
-            true => GaussianKernel::new(1.0, spacing[axis] / sigma, order, truncation).taps().to_vec(),
-            false => vec![f64::from(u8::from(order == 0))],
+        let kernel = |axis: usize, order: usize| {
+            if axes[axis] {
+                GaussianKernel::new(1.0, spacing[axis] / sigma, order, truncation).taps().to_vec()
+            } else {
+                vec![f64::from(u8::from(order == 0))]
+            }
         };
         let taps =
             |axis: usize| [0, 1, 2].map(|order| kernel(axis, order).iter().map(|&t| t as f32).collect());

@@ -208,7 +208,7 @@ impl Setup {
             let errors = model.compensated(&blurred, ripples).with(lost[0], lost[1], surface);
             let [area, mean] = off_by_volume(surface, values.volume_mm3.zip(counted));
             let errors = model.of_copies(copies, errors, &blurred).with(area, mean, surface);
-            model.moved(beyond, errors, &blurred)
+            errors.moved(beyond, surface)
         });
         let faces = totals.recovered.map(|recovered| recovered.faces());
         let noise = modelled.map(|(model, blurred)| {
@@ -406,21 +406,27 @@ fn exact_euler(topology: &TopologySummary, open: Option<&OpenPart>) -> Option<i6
     }
 }
 
+/// An area with a decimal, or with three digits where that would be less.
+fn area_text(area: f64) -> String {
+    let decimals = if area > 0.0 { (2.0 - libm::floor(libm::log10(area))).clamp(1.0, 12.0) } else { 1.0 };
+    format!("{area:.*}", if area >= 10.0 { 1 } else { decimals as usize })
+}
+
 /// Where the image's edge cuts an object, and which share of its voxels' surface that is: both are counted alike.
 fn touching(cuts: [[f64; 2]; 3], share: f64, clip: Option<ClipSummary>) -> Flag {
     let mut places = Vec::new();
     for (axis, cuts) in ["x", "y", "z"].iter().zip(cuts) {
         for (end, cut) in ["first", "last"].iter().zip(cuts).filter(|(_, cut)| *cut > 0.0) {
-            places.push(format!("{end} {axis} ({cut:.1} mm2)"));
+            places.push(format!("{end} {axis} ({} mm2)", area_text(cut)));
         }
     }
     if let Some(clip) = clip {
         let message = format!(
             "the object reaches the edge of the image in the slice {}: what lies within {} mm of it is left out, so the numbers are those of an \
-             open surface between sections of {:.1} mm2",
+             open surface between sections of {} mm2",
             places.join(", "),
             mm_text(clip.rim_mm, 4),
-            clip.section_area_mm2
+            area_text(clip.section_area_mm2)
         );
         return Flag::new(FlagCode::TouchesBorder, message);
     }

@@ -55,7 +55,8 @@ pub(super) fn shared(whole: &Whole, sums: &[&PartSums]) -> Vec<[SurfaceValues; 3
     let weights: Vec<[f64; 4]> = parts.iter().map(Part::weights).collect();
     let of_whole = numbers(&whole.measured.values);
     let merged = sums.iter().fold(Partial::default(), |all, part| all.merged(&part.integrals));
-    let of_model = whole.modelled(&Integrals::of(&merged, whole.object.grid().spacing()));
+    let merged = Integrals::of(&merged, whole.object.grid().spacing());
+    let of_model = (whole.modelled(&merged), merged.surface.area);
     let total = |of: &dyn Fn(usize) -> f64| (0..parts.len()).map(of).sum::<f64>();
     let rest: [Option<f64>; 4] =
         std::array::from_fn(|n| of_whole[n].map(|all| all - total(&|p| parts[p].own[n])));
@@ -109,12 +110,13 @@ impl Whole<'_> {
         Part { sums, integrals, own: [volume, area, mean, integrals.surface.total_gaussian_curvature] }
     }
 
-    /// Standard errors of a part: of its own integrals by the model, as much longer as the whole's are than the model has them;
-    /// what was shared out; where the border lies; and what of K the blur carried across it. Null where the whole's are.
+    /// Standard errors of a part: of its own integrals by the model, as much longer as the whole's are than the model has them, or
+    /// as much shorter, but no less than the whole's times the root of the share of its area, as of errors that places have for
+    /// themselves; what was shared out; where the border lies; and what of K the blur carried across it. Null where the whole's are.
     fn errors(
         &self,
         part: &Part,
-        whole: [f64; 4],
+        (whole, area): ([f64; 4], f64),
         values: &SurfaceValues,
         shares: [f64; 4],
     ) -> SurfaceValues {
@@ -122,10 +124,13 @@ impl Whole<'_> {
         let own = self.modelled(&part.integrals);
         let border = self.border(part);
         let carried = [0.0, 0.0, 0.0, self.carried(part)];
+        let share = if area > 0.0 { (part.integrals.surface.area / area).min(1.0) } else { 1.0 };
         let error = |n: usize| {
-            let longer = if whole[n] > 0.0 { (of_whole[n]? / whole[n]).max(1.0) } else { 1.0 };
-            let beside = [shares[n], border[n], carried[n]];
-            of_whole[n].map(|_| beside.into_iter().fold(own[n] * longer, libm::hypot))
+            let known = of_whole[n]?;
+            let longer = if whole[n] > 0.0 { known / whole[n] } else { 1.0 };
+            let own =
+                if longer < 1.0 { (own[n] * longer).max(known * share.sqrt()) } else { own[n] * longer };
+            Some([shares[n], border[n], carried[n]].into_iter().fold(own, libm::hypot))
         };
         let [volume, area, mean, gaussian] = std::array::from_fn(error);
         let average = || {

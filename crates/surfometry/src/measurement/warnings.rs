@@ -79,8 +79,7 @@ const NARROW_SIGMA: f64 = 1.2;
 const SATURATED_SHARE: f64 = 0.98;
 
 /// What helps where a blur took something away.
-pub(super) const RECOVER: &str =
-    "use the recovering embedding, as a measurement does by itself where it is free to choose";
+pub(super) const RECOVER: &str = "the recovering embedding keeps it, which a measurement that is free to choose takes by itself unless its numbers would be less certain";
 /// Voxels below which an object has no shape to speak of: such are not measured again either.
 const FEW_VOXELS: f64 = 30.0;
 /// Sigma in voxels beyond which it was chosen for another spacing, as the paper's in mm.

@@ -1,19 +1,25 @@
 //! A DICOM file's elements, as far as they are wanted.
 
-use super::{error, lengths};
+use super::error;
+use super::lengths::{Parts, checked};
 use crate::io::ReadError;
 use crate::io::packed::open_file;
 use dicom_dictionary_std::tags;
 use dicom_dictionary_std::uids::DEFLATED_EXPLICIT_VR_LITTLE_ENDIAN;
 use dicom_object::{DefaultDicomObject, FileMetaTable, InMemDicomObject, OpenFileOptions, Tag};
 use std::io::{BufReader, Read};
+use std::ops::Range;
 use std::path::Path;
 
 /// Segmentation and label map segmentation storage.
 const SEGMENTATIONS: [&str; 2] = ["1.2.840.10008.5.1.4.1.1.66.4", "1.2.840.10008.5.1.4.1.1.66.7"];
 
 /// Compressions of pixel data, by how their identifiers begin.
-const COMPRESSED: [(&str, &str); 7] = [
+const COMPRESSED: [(&str, &str); 11] = [
+    ("1.2.840.10008.1.2.1.98", "frames that are wrapped up"),
+    ("1.2.840.10008.1.2.4.11", "JPEG XL"),
+    ("1.2.840.10008.1.2.7", "SMPTE ST 2110"),
+    ("1.2.840.10008.1.2.8", "deflate, each frame"),
     ("1.2.840.10008.1.2.4.5", "JPEG"),
     ("1.2.840.10008.1.2.4.7", "JPEG lossless"),
     ("1.2.840.10008.1.2.4.8", "JPEG-LS"),
@@ -43,19 +49,18 @@ pub(super) struct DataSet {
 impl DataSet {
     /// All elements in front of the pixels.
     pub(super) fn header(path: &Path) -> Result<Self, ReadError> {
-        lengths::check(path, Some(tags::PIXEL_DATA))?;
-        Self::read(path, OpenFileOptions::new().read_until(tags::PIXEL_DATA))
+        let parts = checked(path, Some(tags::PIXEL_DATA))?;
+        Self::read(path, parts, OpenFileOptions::new().read_until(tags::PIXEL_DATA))
     }
 
-    /// All elements.
+    /// All elements up to the pixels.
     pub(super) fn whole(path: &Path) -> Result<Self, ReadError> {
-        lengths::check(path, None)?;
-        Self::read(path, OpenFileOptions::new())
+        Self::read(path, checked(path, None)?, OpenFileOptions::new())
     }
 
-    fn read(path: &Path, options: OpenFileOptions) -> Result<Self, ReadError> {
+    fn read(path: &Path, parts: Vec<Range<u64>>, options: OpenFileOptions) -> Result<Self, ReadError> {
         let (file, _) = open_file(path)?;
-        let object = options.from_reader(BufReader::new(file)).map_err(|e| unreadable(path, &e))?;
+        let object = options.from_reader(Parts::new(file, parts)).map_err(|e| unreadable(path, &e))?;
         Ok(Self { object })
     }
 
