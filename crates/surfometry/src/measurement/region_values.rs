@@ -112,7 +112,7 @@ impl Whole<'_> {
 
     /// Standard errors of a part: of its own integrals by the model, as much longer as the whole's are than the model has them, or
     /// as much shorter, but no less than the whole's times the root of the share of its area, as of errors that places have for
-    /// themselves; what was shared out; where the border lies; and what of K the blur carried across it. Null where the whole's are.
+    /// themselves; what was shared out, as far as it may be another part's; where the border lies; and what of K the blur carried across it. Null where the whole's are.
     fn errors(
         &self,
         part: &Part,
@@ -130,7 +130,8 @@ impl Whole<'_> {
             let longer = if whole[n] > 0.0 { known / whole[n] } else { 1.0 };
             let own =
                 if longer < 1.0 { (own[n] * longer).max(known * share.sqrt()) } else { own[n] * longer };
-            Some([shares[n], border[n], carried[n]].into_iter().fold(own, libm::hypot))
+            let shared_out = shares[n] * (1.0 - share);
+            Some([shared_out, border[n], carried[n]].into_iter().fold(own, libm::hypot))
         };
         let [volume, area, mean, gaussian] = std::array::from_fn(error);
         let average = || {
