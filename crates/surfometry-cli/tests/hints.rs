@@ -84,7 +84,10 @@ fn objects_without_a_surface() {
     let fine = shown(&["measure", "phantom:ball?radius=0.4&spacing=0.0195,0.0195,0.0195", "--paper"]);
     assert!(fine.contains("(sigma is 2.0000 mm, 103 voxels wide)"), "{fine}");
     let chosen = shown(&["measure", "phantom:ball?radius=3", "--sigma", "3"]);
-    assert!(chosen.contains("level, so the integrals are null; the recovering embedding keeps it"), "{chosen}");
+    assert!(
+        chosen.contains("level, so the integrals are null; the recovering embedding keeps it"),
+        "{chosen}"
+    );
     assert!(!chosen.contains("smaller sigma"), "{chosen}");
 }
 
