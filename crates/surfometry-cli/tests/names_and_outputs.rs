@@ -252,6 +252,36 @@ fn info_names_the_format_of_meshes() {
     }
 }
 
+/// The same of rows: none is begun that there is no room for, and where there is room for none, no file is left.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_full_disk_leaves_whole_rows() {
+    let desk = Desk::new();
+    let inputs: Vec<String> =
+        (4..16).map(|radius| format!("'phantom:ball?radius={radius}&spacing=2,2,2'")).collect();
+    let program = env!("CARGO_BIN_EXE_surfometry");
+    let run = |name: &str, blocks: u32| {
+        let inputs = inputs.join(" ");
+        let line = format!("trap '' XFSZ; ulimit -f {blocks}; exec {program} measure {inputs} -q -o {name}");
+        let output = Command::new("sh").args(["-c", &line]).current_dir(desk.0.path()).output().unwrap();
+        assert_eq!(output.status.code(), Some(1), "{}", text(&output.stderr));
+        text(&output.stderr)
+    };
+    for name in ["all.csv", "all.jsonl"] {
+        assert!(run(name, 24).contains(&format!("what was finished is in {name}.partial")));
+        let kept = std::fs::read_to_string(desk.path(&format!("{name}.partial"))).unwrap();
+        assert!(kept.ends_with('\n') && kept.lines().count() > 1, "{kept}");
+        if name == "all.csv" {
+            let rows = csv::Reader::from_reader(kept.as_bytes()).into_records().map(Result::unwrap).count();
+            assert!((1..12).contains(&rows), "{rows}");
+        } else {
+            kept.lines().for_each(|line| drop(serde_json::from_str::<Value>(line).unwrap()));
+        }
+    }
+    assert!(!run("none.csv", 0).contains("what was finished"));
+    assert!(!desk.path("none.csv.partial").exists() && !desk.path("none.csv").exists());
+}
+
 /// Where no more can be written, as on a full disk, the run ends and says where what was finished is: a whole document.
 #[cfg(target_os = "linux")]
 #[test]

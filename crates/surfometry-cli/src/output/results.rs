@@ -51,10 +51,7 @@ pub(crate) fn write_results<R: Row>(
         Err(error) if error.kind() == ErrorKind::BrokenPipe && options.path().is_none() => Ok(0),
         Err(error) => {
             let name = options.path().map_or_else(|| "stdout".to_owned(), |path| path.display().to_string());
-            let kept = options.path().map(unfinished).filter(|partial| partial.is_file());
-            let kept = kept.map_or_else(String::new, |partial| {
-                format!("; what was finished is in {}", partial.display())
-            });
+            let kept = options.path().map(unfinished).map_or_else(String::new, |partial| kept_text(&partial));
             Err(error).with_context(|| format!("{name}: cannot be written{kept}"))
         }
         Ok(outcome) => {
@@ -63,6 +60,21 @@ pub(crate) fn write_results<R: Row>(
             }
             Ok(status(outcome))
         }
+    }
+}
+
+/// Where what was finished is; an unfinished file without any is taken away.
+fn kept_text(partial: &Path) -> String {
+    match partial.metadata() {
+        Ok(found) if found.is_file() && found.len() > 0 => {
+            format!("; what was finished is in {}", partial.display())
+        }
+        Ok(found) if found.is_file() => {
+            // It is empty: whether it goes is no matter.
+            let _gone = std::fs::remove_file(partial);
+            String::new()
+        }
+        _ => String::new(),
     }
 }
 

@@ -260,6 +260,13 @@ impl Write for ResultOutput {
         }
     }
 
+    fn write_all(&mut self, bytes: &[u8]) -> io::Result<()> {
+        match self {
+            Self::File(file) => file.write_all(bytes),
+            Self::Stream(stream) => stream.write_all(bytes),
+        }
+    }
+
     fn flush(&mut self) -> io::Result<()> {
         match self {
             Self::File(file) => file.flush(),
@@ -274,6 +281,18 @@ impl Write for GrowingFile {
             self.drop_end()?;
         }
         self.file.write(bytes)
+    }
+
+    /// All or nothing: a row that a full disk has no room for is not begun.
+    fn write_all(&mut self, bytes: &[u8]) -> io::Result<()> {
+        if !self.end.is_empty() {
+            self.drop_end()?;
+        }
+        let start = self.file.stream_position()?;
+        self.file.write_all(bytes).inspect_err(|_| {
+            // The failure that is told of is the first one.
+            let _emptied = self.file.set_len(start).and_then(|()| self.file.seek(SeekFrom::Start(start)));
+        })
     }
 
     fn flush(&mut self) -> io::Result<()> {
