@@ -265,7 +265,7 @@ fn a_full_disk_leaves_whole_rows() {
         let line = format!("trap '' XFSZ; ulimit -f {blocks}; exec {program} measure {inputs} -q -o {name}");
         let output = Command::new("sh").args(["-c", &line]).current_dir(desk.0.path()).output().unwrap();
         assert_eq!(output.status.code(), Some(1), "{}", text(&output.stderr));
-        text(&output.stderr)
+        text(&output.stderr).to_owned()
     };
     for name in ["all.csv", "all.jsonl"] {
         assert!(run(name, 24).contains(&format!("what was finished is in {name}.partial")));
