@@ -269,7 +269,7 @@ fn a_full_disk_leaves_whole_rows() {
     };
     for name in ["all.csv", "all.jsonl"] {
         assert!(run(name, 24).contains(&format!("what was finished is in {name}.partial")));
-        let kept = std::fs::read_to_string(desk.path(&format!("{name}.partial"))).unwrap();
+        let kept = std::fs::read_to_string(desk.path(format!("{name}.partial"))).unwrap();
         assert!(kept.ends_with('\n') && kept.lines().count() > 1, "{kept}");
         if name == "all.csv" {
             let rows = csv::Reader::from_reader(kept.as_bytes()).into_records().map(Result::unwrap).count();
