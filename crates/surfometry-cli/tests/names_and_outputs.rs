@@ -252,23 +252,41 @@ fn info_names_the_format_of_meshes() {
     }
 }
 
+/// What `measure` says of twelve balls where the system takes so many blocks of half a kilobyte, and then reports an error, which it
+/// does by a signal where nobody minds.
+#[cfg(target_os = "linux")]
+fn on_a_full_disk(desk: &Desk, name: &str, blocks: u32) -> String {
+    let inputs: Vec<String> =
+        (4..16).map(|radius| format!("'phantom:ball?radius={radius}&spacing=2,2,2'")).collect();
+    let (program, inputs) = (env!("CARGO_BIN_EXE_surfometry"), inputs.join(" "));
+    let line = format!("trap '' XFSZ; ulimit -f {blocks}; exec {program} measure {inputs} -q -o {name}");
+    let output = Command::new("sh").args(["-c", &line]).current_dir(desk.0.path()).output().unwrap();
+    assert_eq!(output.status.code(), Some(1), "{}", text(&output.stderr));
+    text(&output.stderr).to_owned()
+}
+
+/// Where no more can be written, as on a full disk, the run ends and says where what was finished is: a whole document.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_full_disk_leaves_what_was_finished() {
+    let desk = Desk::new();
+    let said = on_a_full_disk(&desk, "all.json", 20);
+    assert!(said.contains("what was finished is in all.json.partial"), "{said}");
+    let kept = std::fs::read(desk.path("all.json.partial")).unwrap();
+    let document: Value = serde_json::from_slice(&kept).unwrap();
+    let results = document["results"].as_array().unwrap().len();
+    assert!((1..12).contains(&results), "{results} results in {} bytes", kept.len());
+    assert!(!desk.path("all.json").exists());
+}
+
 /// The same of rows: none is begun that there is no room for, and where there is room for none, no file is left.
 #[cfg(target_os = "linux")]
 #[test]
 fn a_full_disk_leaves_whole_rows() {
     let desk = Desk::new();
-    let inputs: Vec<String> =
-        (4..16).map(|radius| format!("'phantom:ball?radius={radius}&spacing=2,2,2'")).collect();
-    let program = env!("CARGO_BIN_EXE_surfometry");
-    let run = |name: &str, blocks: u32| {
-        let inputs = inputs.join(" ");
-        let line = format!("trap '' XFSZ; ulimit -f {blocks}; exec {program} measure {inputs} -q -o {name}");
-        let output = Command::new("sh").args(["-c", &line]).current_dir(desk.0.path()).output().unwrap();
-        assert_eq!(output.status.code(), Some(1), "{}", text(&output.stderr));
-        text(&output.stderr).to_owned()
-    };
     for name in ["all.csv", "all.jsonl"] {
-        assert!(run(name, 24).contains(&format!("what was finished is in {name}.partial")));
+        let said = on_a_full_disk(&desk, name, 24);
+        assert!(said.contains(&format!("what was finished is in {name}.partial")), "{said}");
         let kept = std::fs::read_to_string(desk.path(format!("{name}.partial"))).unwrap();
         assert!(kept.ends_with('\n') && kept.lines().count() > 1, "{kept}");
         if name == "all.csv" {
@@ -278,33 +296,8 @@ fn a_full_disk_leaves_whole_rows() {
             kept.lines().for_each(|line| drop(serde_json::from_str::<Value>(line).unwrap()));
         }
     }
-    assert!(!run("none.csv", 0).contains("what was finished"));
+    assert!(!on_a_full_disk(&desk, "none.csv", 0).contains("what was finished"));
     assert!(!desk.path("none.csv.partial").exists() && !desk.path("none.csv").exists());
-}
-
-/// Where no more can be written, as on a full disk, the run ends and says where what was finished is: a whole document.
-#[cfg(target_os = "linux")]
-#[test]
-fn a_full_disk_leaves_what_was_finished() {
-    let desk = Desk::new();
-    let inputs: Vec<String> =
-        (4..16).map(|radius| format!("'phantom:ball?radius={radius}&spacing=2,2,2'")).collect();
-    // The system takes ten kilobytes and then reports an error, which it does by a signal where nobody minds.
-    let program = env!("CARGO_BIN_EXE_surfometry");
-    let line =
-        format!("trap '' XFSZ; ulimit -f 20; exec {program} measure {} -q -o all.json", inputs.join(" "));
-    let output = Command::new("sh").args(["-c", &line]).current_dir(desk.0.path()).output().unwrap();
-    assert_eq!(output.status.code(), Some(1), "{}", text(&output.stderr));
-    assert!(
-        text(&output.stderr).contains("what was finished is in all.json.partial"),
-        "{}",
-        text(&output.stderr)
-    );
-    let kept = std::fs::read(desk.path("all.json.partial")).unwrap();
-    let document: Value = serde_json::from_slice(&kept).unwrap();
-    let results = document["results"].as_array().unwrap().len();
-    assert!((1..12).contains(&results), "{results} results in {} bytes", kept.len());
-    assert!(!desk.path("all.json").exists());
 }
 
 /// What a folder of masks rests on is not written over; a table may lie beside, also a second time.

@@ -65,17 +65,15 @@ pub(crate) fn write_results<R: Row>(
 
 /// Where what was finished is; an unfinished file without any is taken away.
 fn kept_text(partial: &Path) -> String {
-    match partial.metadata() {
-        Ok(found) if found.is_file() && found.len() > 0 => {
-            format!("; what was finished is in {}", partial.display())
-        }
-        Ok(found) if found.is_file() => {
-            // It is empty: whether it goes is no matter.
-            let _gone = std::fs::remove_file(partial);
-            String::new()
-        }
-        _ => String::new(),
+    let Some(found) = partial.metadata().ok().filter(std::fs::Metadata::is_file) else {
+        return String::new();
+    };
+    if found.len() > 0 {
+        return format!("; what was finished is in {}", partial.display());
     }
+    // It is empty: whether it goes is no matter.
+    let _gone = std::fs::remove_file(partial);
+    String::new()
 }
 
 /// Tells of a file with all results of a run that was not stopped.

@@ -131,7 +131,7 @@ pub(crate) fn place_text(position_mm: [f64; 3], finest_mm: f64) -> String {
     format!("({x}, {y}, {z}) mm")
 }
 
-/// A length, mm, with so many decimals, or four significant digits where these would leave fewer.
+/// A length or an area with so many decimals, or four significant digits where these would leave fewer.
 pub(crate) fn mm_text(length: f64, decimals: usize) -> String {
     format!("{length:.*}", if length < 0.1 { decimals_for(length) + 2 } else { decimals })
 }

@@ -44,8 +44,7 @@ impl GrowingFile {
         let mut bytes = Vec::new();
         growing.file.read_to_end(&mut bytes)?;
         bytes.truncate(bytes.iter().rposition(|&byte| byte == b'\n').map_or(0, |last| last + 1));
-        growing.file.set_len(bytes.len() as u64)?;
-        growing.file.seek(SeekFrom::Start(bytes.len() as u64))?;
+        growing.cut_back(bytes.len() as u64)?;
         let lines =
             String::from_utf8(bytes).map_err(|error| io::Error::new(io::ErrorKind::InvalidData, error))?;
         Ok((growing, lines))
@@ -132,11 +131,16 @@ impl GrowingFile {
         self.return_to_end()?;
         self.end = end.to_vec();
         self.file.write_all(&[bytes, end].concat()).inspect_err(|_| {
-            let at_start = self.file.set_len(start).and_then(|()| self.file.seek(SeekFrom::Start(start)));
-            if at_start.and_then(|_| self.file.write_all(&earlier)).is_ok() {
+            if self.cut_back(start).and_then(|()| self.file.write_all(&earlier)).is_ok() {
                 self.end = earlier;
             }
         })
+    }
+
+    /// Takes away what is written from a place on.
+    fn cut_back(&mut self, start: u64) -> io::Result<()> {
+        self.file.set_len(start)?;
+        self.file.seek(SeekFrom::Start(start)).map(drop)
     }
 
     /// Goes back to where the replaceable end begins.
@@ -291,7 +295,7 @@ impl Write for GrowingFile {
         let start = self.file.stream_position()?;
         self.file.write_all(bytes).inspect_err(|_| {
             // The failure that is told of is the first one.
-            let _emptied = self.file.set_len(start).and_then(|()| self.file.seek(SeekFrom::Start(start)));
+            let _cut = self.cut_back(start);
         })
     }
 

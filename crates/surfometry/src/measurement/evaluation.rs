@@ -45,6 +45,20 @@ pub(super) struct OpenPart {
     pub(super) boundary: BoundaryTerms,
 }
 
+impl Totals {
+    /// What a shift of the grid does to an object, of which so many copies of one part are off alike.
+    fn sampling_noise(&self, model: &ErrorModel, blurred: &Integrals, copies: f64) -> SamplingNoise {
+        let faces = self.recovered.map_or(blurred.faces, |recovered| recovered.faces());
+        let [of_faces, faces_of_area] = model.of_faces(faces);
+        let curved = model.volume_of_curved(blurred.surface.area);
+        let of_blurred = || model.variance_of_volume(&self.sums.spectrum);
+        let variance = self.recovered.map_or_else(of_blurred, |recovered| recovered.variance_of_volume);
+        let known = libm::hypot(curved, of_faces);
+        let beyond = (variance - known * known).max(0.0).sqrt();
+        SamplingNoise { curved: curved * copies.sqrt(), beyond, of_faces, faces_of_area }
+    }
+}
+
 impl Setup {
     /// Integrals over phi = 0, and V, A, M and M / A of the original object.
     pub(super) fn values(&self, sums: &ObjectSums, open: Option<&OpenPart>) -> [SurfaceValues; 2] {
@@ -200,7 +214,7 @@ impl Setup {
         let (detail, spacing) = (&totals.sums.detail, self.grid.spacing());
         let lost = [detail.area(spacing), detail.total_mean_curvature(spacing)];
         let slopes = totals.sums.ripples.mean_square();
-        let beyond = modelled.map_or(0.0, |(model, blurred)| self.beyond(totals, &model, &blurred));
+        let noise = modelled.map(|(model, blurred)| totals.sampling_noise(&model, &blurred, copies));
         let compensated_errors = modelled.filter(|_| terms.is_some()).map(|(model, blurred)| {
             let surface = &blurred.surface;
             let profile = self.parameters.profile();
@@ -208,13 +222,7 @@ impl Setup {
             let errors = model.compensated(&blurred, ripples).with(lost[0], lost[1], surface);
             let [area, mean] = off_by_volume(surface, values.volume_mm3.zip(counted));
             let errors = model.of_copies(copies, errors, &blurred).with(area, mean, surface);
-            errors.moved(beyond, surface)
-        });
-        let faces = totals.recovered.map(|recovered| recovered.faces());
-        let noise = modelled.map(|(model, blurred)| {
-            let curved = model.volume_of_curved(blurred.surface.area) * copies.sqrt();
-            let [of_faces, faces_of_area] = model.of_faces(faces.unwrap_or(blurred.faces));
-            SamplingNoise { curved, moved: libm::hypot(curved, beyond), of_faces, faces_of_area }
+            errors.moved(noise.map_or(0.0, |noise| noise.beyond), surface)
         });
         let mut errors = compensated_errors.as_ref().map(SurfaceValues::of_errors).unwrap_or_default();
         if let Some([recovered, recovered_errors]) =
@@ -230,7 +238,7 @@ impl Setup {
             [recovered.summary.thinness(), 1.0, recovered.summary.noise_of_volume(area, spacing)]
         });
         let counted_error = noise.map(|noise| {
-            let curved = (noise.curved * thin).max(noise.moved);
+            let curved = (noise.curved * thin).max(noise.moved());
             libm::hypot(libm::hypot(curved, noise.of_faces * faces), flipped)
         });
         let exact = euler.map(|_| 0.0);
@@ -248,20 +256,6 @@ impl Setup {
                 ..errors
             },
         ]
-    }
-
-    /// Standard deviation of V, mm^3, beyond that of curved surfaces and faces, because the object's lies so in the grid: of straight
-    /// tubes along it each slice is off by as much. 0 of soft segmentations.
-    fn beyond(&self, totals: &Totals, model: &ErrorModel, blurred: &Integrals) -> f64 {
-        if self.soft.is_some() {
-            return 0.0;
-        }
-        let of_blurred = || model.variance_of_volume(&totals.sums.surface.spectrum);
-        let recovered = totals.recovered;
-        let variance = recovered.map_or_else(of_blurred, |recovered| recovered.variance_of_volume);
-        let faces = recovered.map_or(blurred.faces, |recovered| recovered.faces());
-        let known = libm::hypot(model.volume_of_curved(blurred.surface.area), model.of_faces(faces)[0]);
-        (variance - known * known).max(0.0).sqrt()
     }
 
     /// Where the object and the gaps in it are narrowest, of those whose share of the band counts.
@@ -406,18 +400,12 @@ fn exact_euler(topology: &TopologySummary, open: Option<&OpenPart>) -> Option<i6
     }
 }
 
-/// An area with a decimal, or with three digits where that would be less.
-fn area_text(area: f64) -> String {
-    let decimals = if area > 0.0 { (2.0 - libm::floor(libm::log10(area))).clamp(1.0, 12.0) } else { 1.0 };
-    format!("{area:.*}", if area >= 10.0 { 1 } else { decimals as usize })
-}
-
 /// Where the image's edge cuts an object, and which share of its voxels' surface that is: both are counted alike.
 fn touching(cuts: [[f64; 2]; 3], share: f64, clip: Option<ClipSummary>) -> Flag {
     let mut places = Vec::new();
     for (axis, cuts) in ["x", "y", "z"].iter().zip(cuts) {
         for (end, cut) in ["first", "last"].iter().zip(cuts).filter(|(_, cut)| *cut > 0.0) {
-            places.push(format!("{end} {axis} ({} mm2)", area_text(cut)));
+            places.push(format!("{end} {axis} ({} mm2)", mm_text(cut, 1)));
         }
     }
     if let Some(clip) = clip {
@@ -426,7 +414,7 @@ fn touching(cuts: [[f64; 2]; 3], share: f64, clip: Option<ClipSummary>) -> Flag 
              open surface between sections of {} mm2",
             places.join(", "),
             mm_text(clip.rim_mm, 4),
-            area_text(clip.section_area_mm2)
+            mm_text(clip.section_area_mm2, 1)
         );
         return Flag::new(FlagCode::TouchesBorder, message);
     }

@@ -5,7 +5,7 @@ use super::ripples::{CurvatureTile, Ripples};
 use crate::Control;
 use crate::integrals::{Band, BandGeometry, Observer, Partial, Quadrature};
 use crate::local_geometry::{BandVoxels, Differentiation, FieldValue, TileField};
-use crate::surface::{SurfaceSums, TileMesh, cell_limits};
+use crate::surface::{Spectrum, SurfaceSums, TileMesh, cell_limits};
 use crate::tiling::{IndexBox, Pool, TILE};
 use crate::volume::Spacing;
 use rayon::prelude::*;
@@ -19,6 +19,8 @@ pub(super) struct ObjectSums {
     pub(super) surface: SurfaceSums,
     pub(super) detail: Detail,
     pub(super) ripples: Ripples,
+    #[serde(default)]
+    pub(super) spectrum: Spectrum,
     pub(super) times: StageTimes,
 }
 
@@ -33,8 +35,8 @@ pub(super) struct StageTimes {
 
 impl PartialEq for ObjectSums {
     fn eq(&self, other: &Self) -> bool {
-        (&self.integrals, &self.surface, &self.detail, &self.ripples)
-            == (&other.integrals, &other.surface, &other.detail, &other.ripples)
+        (&self.integrals, &self.surface, &self.detail, &self.ripples, &self.spectrum)
+            == (&other.integrals, &other.surface, &other.detail, &other.ripples, &other.spectrum)
     }
 }
 
@@ -46,6 +48,7 @@ impl ObjectSums {
             surface: self.surface.merged(&other.surface),
             detail: self.detail.merged(&other.detail),
             ripples: self.ripples.merged(&other.ripples),
+            spectrum: self.spectrum.merged(&other.spectrum),
             times: self.times.merged(&other.times),
         }
     }
@@ -78,6 +81,8 @@ pub(super) struct Pass<'a> {
     pub(super) with_surface: bool,
     /// Whether there is a model of errors that asks for ripples.
     pub(super) with_ripples: bool,
+    /// Whether there is one that asks how the mesh lies in the grid.
+    pub(super) with_spectrum: bool,
     /// The part that is summed over, where it is not all.
     pub(super) region: Option<IndexBox>,
     /// Where the tiles begin that are wanted; all where `None`.
@@ -139,10 +144,14 @@ impl Pass<'_> {
         let ripples = curvature.ripples();
         let integrated = Instant::now();
         summing += integrated - differentiated;
-        let mut surface = SurfaceSums::default();
+        let (mut surface, mut spectrum) = <(SurfaceSums, Spectrum)>::default();
         if let TileField::Varying(field) = field {
             if self.with_surface {
-                surface = SurfaceSums::of_tile(&TileMesh::of(&field, tile, limits), self.spacing);
+                let mesh = TileMesh::of(&field, tile, limits);
+                surface = SurfaceSums::of_tile(&mesh, self.spacing.mm());
+                if self.with_spectrum {
+                    spectrum = Spectrum::of_tile(&mesh, self.spacing);
+                }
             }
             *memory = field.into_storage();
         }
@@ -152,6 +161,6 @@ impl Pass<'_> {
             integrate: summing,
             surface: integrated.elapsed(),
         };
-        ObjectSums { integrals, surface, detail, ripples, times }
+        ObjectSums { integrals, surface, detail, ripples, spectrum, times }
     }
 }

@@ -47,11 +47,18 @@ pub(super) struct Recovered {
 pub(super) struct SamplingNoise {
     /// Of V, by its curved surface, mm^3.
     pub(super) curved: f64,
-    /// The same with what it is more, for straight tubes and the like lie in the grid as wholes.
-    pub(super) moved: f64,
+    /// Of V beyond that and faces, because the surface lies so in the grid: of straight tubes along it each slice is off by as much.
+    pub(super) beyond: f64,
     /// Of V, by flat faces along the grid, mm^3, and of A, mm^2.
     pub(super) of_faces: f64,
     pub(super) faces_of_area: f64,
+}
+
+impl SamplingNoise {
+    /// Of V, mm^3, by all but faces, which moves the surface as a whole.
+    pub(super) fn moved(&self) -> f64 {
+        libm::hypot(self.curved, self.beyond)
+    }
 }
 
 /// What the mesh of phi = 0 has, mm.
@@ -266,7 +273,7 @@ impl Recovered {
         let of_edge = EDGES_LOST[1] * lost * edges / mesh.area * mesh.absolute_mean_curvature;
         let mean = mesh.total_mean_curvature + of_mean + of_edge + given_back[1];
         // A surface that voxels happen to make larger is a parallel one, too.
-        let too_large = noise.moved / mesh.area;
+        let too_large = noise.moved() / mesh.area;
         let sampled = [2.0 * mesh.total_mean_curvature * too_large, gaussian * too_large];
         let terraces = left_of_terraces(spacing, sigma);
         let of_pose = self.errors_of_pose(&mesh, [of_area, of_mean], sampled, terraces);

@@ -112,7 +112,8 @@ impl Whole<'_> {
 
     /// Standard errors of a part: of its own integrals by the model, as much longer as the whole's are than the model has them, or
     /// as much shorter, but no less than the whole's times the root of the share of its area, as of errors that places have for
-    /// themselves; what was shared out, as far as it may be another part's; where the border lies; and what of K the blur carried across it. Null where the whole's are.
+    /// themselves; what was shared out, as far as it may be another part's; where the border lies; and what of K the blur carried across
+    /// it. Null where the whole's are.
     fn errors(
         &self,
         part: &Part,

@@ -114,6 +114,7 @@ impl Setup {
             spacing: self.grid.spacing(),
             with_surface,
             with_ripples: self.errors.is_some(),
+            with_spectrum: self.errors.is_some() && self.soft.is_none(),
             region: None,
             tiles: None,
             watch: None,

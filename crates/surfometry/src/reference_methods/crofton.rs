@@ -2,7 +2,7 @@
 
 use super::directions::shares;
 use super::{Prepared, ReferenceMethod, ReferenceValues};
-use crate::space::{cross, dot, length, unit};
+use crate::space::{HALF_OF_NEIGHBOURS, cross, dot, length, unit};
 use crate::volume::{Mask, Spacing};
 use rayon::prelude::*;
 use std::f64::consts::PI;
@@ -18,23 +18,6 @@ pub enum Crofton {
     /// Along axes, face and space diagonals.
     Directions13,
 }
-
-/// Half of the 26 neighbours.
-pub(super) const STEPS: [[i64; 3]; 13] = [
-    [1, 0, 0],
-    [0, 1, 0],
-    [0, 0, 1],
-    [1, 1, 0],
-    [1, -1, 0],
-    [1, 0, 1],
-    [1, 0, -1],
-    [0, 1, 1],
-    [0, 1, -1],
-    [1, 1, 1],
-    [1, 1, -1],
-    [1, -1, 1],
-    [-1, 1, 1],
-];
 
 /// Two lattice vectors that span a plane, for each of the planes that 2 x 2 x 2 voxels hold.
 const PLANES: [[[i64; 3]; 2]; 13] = [
@@ -75,7 +58,7 @@ impl ReferenceMethod for Crofton {
     }
 
     fn prepared(&self, spacing: Spacing) -> Prepared<'_> {
-        let lines = lines(spacing, &STEPS[..self.count()]);
+        let lines = lines(spacing, &HALF_OF_NEIGHBOURS[..self.count()]);
         let planes = planes(spacing, &PLANES[..self.count()]);
         Box::new(move |mask| {
             ReferenceValues {

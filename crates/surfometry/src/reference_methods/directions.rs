@@ -21,14 +21,14 @@ pub(super) fn shares(directions: &[[f64; 3]]) -> Vec<f64> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::crofton::STEPS;
     use super::*;
+    use crate::space::HALF_OF_NEIGHBOURS;
     use crate::space::unit;
 
     /// Of the cubic lattice: Ohser and Mücklich (2000), 0.0458, 0.0370 and 0.0352 of each of 26 directions.
     #[test]
     fn of_the_cubic_lattice() {
-        let directions = STEPS.map(|step| unit(step.map(|c| c as f64)));
+        let directions = HALF_OF_NEIGHBOURS.map(|step| unit(step.map(|c| c as f64)));
         let found = shares(&directions);
         for (n, share) in found.iter().enumerate() {
             let expected = [0.045_778, 0.036_981, 0.035_196][usize::from(n >= 3) + usize::from(n >= 9)];

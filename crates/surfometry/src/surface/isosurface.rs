@@ -1,12 +1,11 @@
 //! The whole surface from its tiles.
 
-use super::Spectrum;
 use super::mesh::{Mesh, tetrahedron_volume, triangle_area};
 use super::tile_mesh::{EdgeKey, TileMesh};
 use crate::embedding::Embedding;
 use crate::local_geometry::BAND_GROUP;
 use crate::tiling::{Block, ExactSum, IndexBox, TILE};
-use crate::volume::{Grid, Spacing};
+use crate::volume::Grid;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::collections::HashMap;
@@ -134,7 +133,7 @@ impl SurfaceSummary {
     /// Summarises phi = 0 tile by tile, in the memory of one tile a thread.
     pub fn of<E: Embedding>(embedding: &E, grid: &Grid) -> Self {
         let tiles = SurfaceTiles::of(embedding);
-        let part = |tile: &IndexBox| SurfaceSums::of_tile(&tiles.mesh(tile), grid.spacing());
+        let part = |tile: &IndexBox| SurfaceSums::of_tile(&tiles.mesh(tile), grid.spacing().mm());
         Self::of_sums(&tiles.boxes.par_iter().map(part).reduce(SurfaceSums::default, |a, b| a.merged(&b)))
     }
 
@@ -164,23 +163,20 @@ pub(crate) struct SurfaceSums {
     border_edges: u64,
     area: ExactSum,
     volume: ExactSum,
-    #[serde(default)]
-    pub(crate) spectrum: Spectrum,
 }
 
 impl SurfaceSums {
     /// Volume as seen from image index 0, in the order of the triangles.
-    pub(crate) fn of_tile(mesh: &TileMesh, spacing: Spacing) -> Self {
+    pub(crate) fn of_tile(mesh: &TileMesh, spacing: [f64; 3]) -> Self {
         let mut sums = Self {
             vertices: mesh.own_count() as u64,
             triangles: mesh.triangles.len() as u64,
             border_edges: mesh.border_edges,
-            spectrum: Spectrum::of_tile(mesh, spacing),
             ..Self::default()
         };
         let position = |vertex: u32| {
             let index = mesh.positions[vertex as usize];
-            std::array::from_fn(|a| index[a] * spacing.mm()[a])
+            std::array::from_fn(|a| index[a] * spacing[a])
         };
         let (mut area, mut volume) = (0.0, 0.0);
         for triangle in &mesh.triangles {
@@ -199,7 +195,6 @@ impl SurfaceSums {
         self.border_edges += other.border_edges;
         self.area.merge(&other.area);
         self.volume.merge(&other.volume);
-        self.spectrum.merge(&other.spectrum);
         self
     }
 }

@@ -8,28 +8,14 @@
 
 use super::local_scale::indices;
 use super::{Mesh, TileMesh};
-use crate::space::{cross, dot, length};
+use crate::space::{HALF_OF_NEIGHBOURS, cross, dot, length};
 use crate::tiling::ExactSum;
 use crate::volume::{Grid, Spacing};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
 /// The first points of the reciprocal lattice, in its own units, one of xi and -xi: along axes, faces' and bodies' diagonals.
-const FIRST: [[i8; 3]; 13] = [
-    [1, 0, 0],
-    [0, 1, 0],
-    [0, 0, 1],
-    [1, 1, 0],
-    [1, -1, 0],
-    [1, 0, 1],
-    [1, 0, -1],
-    [0, 1, 1],
-    [0, 1, -1],
-    [1, 1, 1],
-    [1, 1, -1],
-    [1, -1, 1],
-    [1, -1, -1],
-];
+const FIRST: [[i64; 3]; 13] = HALF_OF_NEIGHBOURS;
 
 /// What some of a surface's triangles add to the coefficients, mm^3: of each, of those that face along xi and of those that face
 /// against it, for how these meet tells of the very size of an object, and not of how well it is known.
@@ -58,7 +44,7 @@ impl Spectrum {
     }
 
     /// Of the part of a surface in a tile.
-    pub(super) fn of_tile(mesh: &TileMesh, spacing: Spacing) -> Self {
+    pub(crate) fn of_tile(mesh: &TileMesh, spacing: Spacing) -> Self {
         Self::of(&mesh.positions, &mesh.triangles, spacing)
     }
 
@@ -93,9 +79,11 @@ impl Spectrum {
         spectrum
     }
 
-    pub(super) fn merge(&mut self, other: &Self) {
+    #[must_use]
+    pub(crate) fn merged(mut self, other: &Self) -> Self {
         let pairs = self.sides.as_flattened_mut().iter_mut().zip(other.sides.as_flattened());
         pairs.for_each(|(sum, part)| sum.merge(part));
+        self
     }
 
     /// Variance of the volume of the voxels over all places of the grid, mm^6, of a surface after a blur of sigma mm. `lattice` is the
@@ -105,7 +93,7 @@ impl Spectrum {
         let points = FIRST.map(|index| Point::new(index, spacing.mm()));
         let first: f64 = points.iter().map(|point| 2.0 / point.square.powi(2)).sum();
         let power = |(point, sides): (&Point, &[ExactSum; 4])| {
-            let seen = (SEEN_THROUGH * sigma * point.square.sqrt()).min(1.0);
+            let seen = (SEEN_THROUGH * sigma * point.magnitude).min(1.0);
             seen * seen * sides.iter().map(|part| part.value().powi(2)).sum::<f64>()
         };
         2.0 * points.iter().zip(&self.sides).map(power).sum::<f64>() * lattice / first
@@ -114,7 +102,7 @@ impl Spectrum {
 
 /// A point xi of the reciprocal lattice.
 struct Point {
-    index: [i8; 3],
+    index: [i64; 3],
     /// 1/mm.
     place: [f64; 3],
     square: f64,
@@ -124,8 +112,8 @@ struct Point {
 }
 
 impl Point {
-    fn new(index: [i8; 3], spacing: [f64; 3]) -> Self {
-        let place = std::array::from_fn(|a| f64::from(index[a]) / spacing[a]);
+    fn new(index: [i64; 3], spacing: [f64; 3]) -> Self {
+        let place = std::array::from_fn(|a| index[a] as f64 / spacing[a]);
         let square = dot(place, place);
         Self { index, place, square, magnitude: square.sqrt(), factor: 1.0 / (6.0 * PI * square) }
     }
@@ -141,7 +129,7 @@ impl Point {
 
     /// exp(-2 pi i xi . x), from that of each axis.
     fn wave(&self, axes: &[Complex; 3]) -> Complex {
-        let turned = |wave: Complex, (&[re, im], step): (&Complex, i8)| match step {
+        let turned = |wave: Complex, (&[re, im], step): (&Complex, i64)| match step {
             0 => wave,
             1 => times(wave, [re, im]),
             _ => times(wave, [re, -im]),
